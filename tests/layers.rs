@@ -1,6 +1,6 @@
-//! Imports go down one table of layers, which `ARCHITECTURE.md` shows, too, and files do not import each other in
-//! circles. These tests read every path in `src/` that begins with `crate`, `self`, `super` or a child module, those of
-//! unit tests included.
+//! Checks that imports only go down the table of layers, which `ARCHITECTURE.md` also shows, and that files do not import
+//! each other in circles. These tests read every path in `src/` that begins with `crate`, `self`, `super` or a child module,
+//! including those in unit tests.
 
 use std::collections::HashMap;
 use std::fs;
@@ -32,13 +32,13 @@ const LAYERS: [(&str, u32); 21] = [
     ("cli", 10),
 ];
 
-/// What the unit tests of all modules may import: shapes.
+/// The module that all unit tests may import: it builds shapes.
 const TESTING: &str = "testing";
 
-/// The one folder that may hold more than a sixth of the lines of `src/`: it has a reader and a writer for each format.
+/// The only folder that may hold more than a sixth of the lines of `src/`: it has a reader and a writer for each format.
 const LARGE: &str = "io";
 
-/// The names of a module or an item, from the root of the crate.
+/// The path of a module or an item from the root of the crate.
 type Names = Vec<String>;
 
 /// A file of `src/`.
@@ -52,17 +52,17 @@ struct Source {
 struct Import {
     line: usize,
     path: Names,
-    /// Whether it only re-exports what a module below has.
+    /// Whether it only re-exports an item of a child module.
     is_reexport: bool,
 }
 
-/// All files, and which of them import which.
+/// All files, and which of them import which others.
 struct Graph {
     sources: Vec<Source>,
-    /// The number of the file of each module.
+    /// The file index of each module.
     files: HashMap<Names, usize>,
     imports: Vec<Vec<Import>>,
-    /// The paths that re-exports stand for.
+    /// The original path of each re-export.
     reexports: HashMap<Names, Names>,
 }
 
@@ -110,7 +110,7 @@ fn is_flag(word: &str) -> bool {
     word.strip_prefix("--").is_some_and(|name| name.starts_with(|c: char| c.is_ascii_lowercase()))
 }
 
-/// All files but the roots of the library and of the binary, which may import everything.
+/// Returns all files except the roots of the library and of the binary, which may import everything.
 fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
@@ -139,13 +139,13 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 impl Source {
-    /// The source at `path` in `src/`, without its ending.
+    /// Returns the source at `path` in `src/`, given without its extension.
     fn new(path: &str, text: &str) -> Source {
         let path = path.strip_suffix("/mod").unwrap_or(path);
         Source { module: path.split('/').map(String::from).collect(), text: text.into() }
     }
 
-    /// The imports of the file and of the modules within it. `is_module` says which paths are files.
+    /// Returns the imports of the file and of the modules within it. `is_module` tells which paths are files.
     fn imports(&self, is_module: impl Fn(&[String]) -> bool) -> Vec<Import> {
         let mut found = Vec::new();
         let mut module = self.module.clone();
@@ -166,14 +166,14 @@ impl Source {
     }
 }
 
-/// The name of the module that a line begins.
+/// Returns the name of the module that begins on this line.
 fn inner_module(line: &str) -> Option<String> {
     let begins = !line.starts_with(' ') && line.ends_with('{');
     let mut words = line.split_whitespace().skip_while(|word| *word != "mod");
     words.nth(1).filter(|_| begins).map(String::from)
 }
 
-/// The imports in the code of `module`, which begins in line `first` of its file.
+/// Returns the imports in the code of `module`, which begins on line `first` of its file.
 fn imports(code: &str, first: usize, module: &[String], is_module: impl Fn(&[String]) -> bool) -> Vec<Import> {
     let mut found = Vec::new();
     let (mut rest, mut is_public, mut is_reexport) = (code, false, false);
@@ -197,7 +197,7 @@ fn imports(code: &str, first: usize, module: &[String], is_module: impl Fn(&[Str
     found
 }
 
-/// Reads the path, or the tree of paths, that `code` begins with, and gives what comes after.
+/// Reads the path, or the tree of paths, at the start of `code`, and returns the rest.
 fn read_paths<'a>(code: &'a str, prefix: &[&'a str], found: &mut Vec<Vec<&'a str>>) -> &'a str {
     let code = code.trim_start();
     if let Some(mut list) = code.strip_prefix('{') {
@@ -227,7 +227,7 @@ fn is_of_name(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// The path from the root of the crate that `names` are in `module`.
+/// Returns the path from the root of the crate that `names` refer to within `module`.
 fn absolute(module: &[String], names: &[&str]) -> Names {
     let mut path = if names[0] == "crate" { Names::new() } else { module.to_vec() };
     for &name in names {
@@ -254,7 +254,7 @@ impl Graph {
         Graph { sources, files, imports, reexports }
     }
 
-    /// The file that a path leads to, re-exports followed.
+    /// Returns the file that a path leads to, following re-exports.
     fn target(&self, path: &[String]) -> Option<usize> {
         let length = (1..=path.len()).rev().find(|&n| self.files.contains_key(&path[..n]))?;
         match path.get(..=length).and_then(|item| self.reexports.get(item)) {
@@ -263,7 +263,7 @@ impl Graph {
         }
     }
 
-    /// What is wrong with the imports of a file by the table of layers, a line each.
+    /// Returns the imports of a file that violate the table of layers, one line each.
     fn faults(&self, file: usize) -> Vec<String> {
         let name = self.sources[file].module.join("/");
         let module = &self.sources[file].module[0];
@@ -286,7 +286,7 @@ impl Graph {
         self.imports[file].iter().filter_map(fault).collect()
     }
 
-    /// The names of the files of each circle of imports.
+    /// Returns the names of the files in each circle of imports.
     fn circles(&self) -> Vec<Vec<String>> {
         let reached: Vec<Vec<bool>> = (0..self.sources.len()).map(|file| self.reached_from(file)).collect();
         let circle = |file: usize| -> Vec<usize> {
@@ -299,7 +299,7 @@ impl Graph {
         first_named.map(|(_, circle)| circle.into_iter().map(name).collect()).collect()
     }
 
-    /// For each file whether one or more imports by other files lead to it from `file`.
+    /// Returns, for each file, whether a chain of one or more imports leads to it from `file`.
     fn reached_from(&self, file: usize) -> Vec<bool> {
         let mut reached = vec![false; self.sources.len()];
         let mut todo = vec![file];

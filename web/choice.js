@@ -1,15 +1,15 @@
-// Takes files: those dropped anywhere on the page, those chosen, or a model that comes with it.
+// Accepts files: dropped anywhere on the page, chosen in a dialog, or a model that comes with the page.
 
 const byId = (id) => document.getElementById(id);
 
-/** Calls `take` with each list of files that is given. */
+/** Calls `take` with each list of files that the user provides. */
 export function listenForFiles(take) {
   const taken = (files) => files.length && take([...files]);
   listenForDrops(taken);
   byId("choose").addEventListener("click", () => byId("files").click());
   byId("files").addEventListener("change", ({ target }) => {
     taken(target.files);
-    // The same file can be chosen again.
+    // Allows choosing the same file again.
     target.value = "";
   });
   for (const button of document.querySelectorAll("[data-model]")) {
@@ -31,7 +31,7 @@ function listenForDrops(taken) {
   });
 }
 
-/** A model that comes with the page; its content is fetched when it is read. */
+/** Fetches a model that comes with the page. */
 async function model(name) {
   return new File([await (await fetch(`data/${name}`)).blob()], name);
 }

@@ -1,15 +1,15 @@
-// The form: it is filled with what the library proposes, and gives what the user wants.
+// The form. It is filled with the library's defaults, and returns the user's choices.
 
 const byId = (id) => document.getElementById(id);
 
-/** What each way to say how dense means for the field beside it. */
+/** The field for the density under each way to specify it. */
 const WAYS = {
   points: { label: "Number of vertices", min: 1, step: 1 },
   edge_length: { label: "Mean edge length", min: 0, step: "any", value: "" },
   max_error: { label: "In percent of the diagonal", min: 0, step: "any", value: "0.5" },
 };
 
-/** Fills the form with what the library says of itself. */
+/** Fills the form from the library's description of itself. */
 export function fillForm({ form, smoothing, read }) {
   WAYS.points.value = form.points;
   byId("features").value = form.features;
@@ -30,7 +30,7 @@ export function fillForm({ form, smoothing, read }) {
   showGrading();
 }
 
-/** What the form says, as `src/form.rs` takes it. */
+/** Returns the content of the form as `src/form.rs` expects it. */
 export function readForm() {
   const value = (id) => byId(id).value;
   const number = (id) => (value(id) === "" ? null : Number(value(id)));
@@ -59,7 +59,7 @@ function showWay() {
 function showAngle() {
   const isAsked = byId("features").value === "angle";
   byId("angle-field").hidden = !isAsked;
-  // Users cannot correct what is hidden.
+  // A hidden field must not fail validation, since users cannot correct it.
   byId("angle").disabled = !isAsked;
 }
 

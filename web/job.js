@@ -1,11 +1,11 @@
-// A job: a worker with one mesh in it. A job that is cancelled or has failed ends with its worker; the next one gets another.
+// A job: a worker that holds one mesh. A job that is cancelled or fails ends with its worker. The next job gets a new one.
 
-/** Why a job that was ended has no answer. */
+/** The rejection of requests to a job that was ended. */
 export class Cancelled extends Error {}
 
 export class Job {
   #worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-  /** Those who wait for answers, which come in the order of the requests. */
+  /** Pending requests. Answers arrive in the order of the requests. */
   #waiting = [];
 
   /** `told` has the functions `stage` and `progress`. */
@@ -20,7 +20,7 @@ export class Job {
     this.#worker.postMessage({ module });
   }
 
-  /** Asks the library. */
+  /** Sends a request to the library. */
   ask(request, files = []) {
     return new Promise((resolve, reject) => {
       this.#waiting.push({ resolve, reject });

@@ -1,9 +1,9 @@
-// The library as a module of WebAssembly. Requests and answers are bytes, which `src/envelope.rs` describes.
+// The library as a WebAssembly module. Requests and answers are bytes in the format described in `src/envelope.rs`.
 
 /**
- * Starts the library. `told` has the functions `stage`, which gets a name, and `progress`, which gets a share of 1. Gives a
- * function that asks it: a request, and the contents of files that belong to it, for an answer and its files. That function
- * throws what the library's errors say, and `Fault` for what leaves the library unusable.
+ * Starts the library. `told` has the functions `stage`, called with a name, and `progress`, called with a share from 0 to 1.
+ * Returns a function that sends the library a request with the contents of its files, and returns the answer with its files.
+ * That function throws an `Error` with the library's message, or a `Fault` if the library has become unusable.
  */
 export async function startLibrary(module, told) {
   const text = (at, length) => new TextDecoder().decode(bytes(at, length));
@@ -34,7 +34,7 @@ export async function startLibrary(module, told) {
   };
 }
 
-/** What ends the library: a fault of its own, or a lack of memory. */
+/** A failure that ends the library: a panic, a trap, or a lack of memory. */
 export class Fault extends Error {
   name = "Fault";
 }
@@ -43,7 +43,7 @@ function lengthOf(letter) {
   return new Uint8Array(Uint32Array.of(letter.length).buffer);
 }
 
-/** The answer in an envelope: its kind, what it says, and copies of its files. */
+/** Returns the answer in an envelope: its kind, its members, and copies of its files. */
 function opened(envelope) {
   const length = new DataView(envelope.buffer, envelope.byteOffset).getUint32(0, true);
   const { sizes, content } = JSON.parse(new TextDecoder().decode(envelope.subarray(4, 4 + length)));

@@ -1,4 +1,4 @@
-// The page: it gives files and options to a job, and shows the answers.
+// The page. It passes files and options to a job, and shows the answers.
 
 import { listenForFiles } from "./choice.js";
 import { fillForm, readForm } from "./form.js";
@@ -10,8 +10,7 @@ const byId = (id) => document.getElementById(id);
 /** The library, compiled once for all workers. */
 const library = compiled();
 
-/** The files that are worked on, and whether nothing was made of them yet; the job that is under way, and the last one that has
- * a result. */
+/** The current files, and whether they have not been processed yet; the running job, and the last job that has a result. */
 let files = [];
 let areNew = false;
 let running = null;
@@ -56,7 +55,7 @@ async function start() {
   document.documentElement.dataset.page = "ready";
 }
 
-/** Remeshes the files; new ones are measured and shown first. */
+/** Remeshes the files. New ones are measured and shown first. */
 async function run() {
   if (!byId("form").reportValidity()) return;
   running?.end();
@@ -71,7 +70,7 @@ async function run() {
     const load = { names: files.map((file) => file.name), form };
     const { name, vertices, triangles, is_shown } = await job.ask({ load }, files);
     named(name, `${vertices} vertices, ${triangles ? `${triangles} triangles` : "no triangles"}`);
-    // The worker goes on while the input is drawn.
+    // The worker continues while the input is drawn.
     const shown = isFirst && is_shown ? job.ask("measure").then(show) : null;
     const [result] = await Promise.all([job.ask({ remesh: { form } }), shown]);
     finish(job, result);
@@ -81,7 +80,7 @@ async function run() {
   }
 }
 
-/** Forgets what was made of other files. */
+/** Discards the result of the previous files. */
 function forget() {
   finished?.end();
   finished = null;
@@ -101,7 +100,7 @@ function begin() {
   byId("error").hidden = true;
   byId("remesh").disabled = true;
   byId("cancel").hidden = byId("going").hidden = false;
-  // Without a value it only shows that something is going on.
+  // Without a value, the bar is indeterminate.
   byId("progress").removeAttribute("value");
   told.stage("start");
   document.documentElement.dataset.page = "busy";
@@ -140,14 +139,14 @@ function tell(error) {
   byId("error").hidden = false;
 }
 
-/** An error as people are told it. */
+/** Returns the text of an error for users. */
 function cause({ name, message }) {
   if (name !== "Fault") return message;
   return `The library stopped in the middle. The mesh may be too large for the memory of a page; the program \
 remesh has more. Otherwise it is a fault of remesh: please report it with the file and these words.\n${message}`;
 }
 
-/** Has something of the result made, and saves it. */
+/** Requests files of the result, and saves them. */
 async function hand(request) {
   try {
     const made = await finished.ask(request);

@@ -1,13 +1,13 @@
-// What is shown of a mesh, and what is saved of a result.
+// Shows reports on meshes, and saves results.
 
 const byId = (id) => document.getElementById(id);
 
 let viewer = null;
 
-// Sizes change on paper.
+// Printing changes sizes, so the meshes are drawn again afterwards.
 addEventListener("afterprint", () => viewer?.draw());
 
-/** Shows a report; coloured as the one before it was, if that can be. */
+/** Shows a report, with the colouring of the previous one if it has that. */
 export function show({ title, main, scene }) {
   const colouring = byId("report").querySelector("input[name=colouring]:checked")?.value;
   clear();
@@ -16,12 +16,12 @@ export function show({ title, main, scene }) {
   document.title = `${new DOMParser().parseFromString(title, "text/html").body.textContent} · remesh`;
   const choice = byId("report").querySelector(`input[name=colouring][value="${colouring}"]`);
   if (choice) choice.checked = true;
-  // Of the scripts of viewer/, which are those of a report by itself, too.
+  // `showReport` comes from the scripts in viewer/, which stand-alone reports also use.
   viewer = showReport(byId("report"), JSON.parse(scene));
   byId("report").dataset.viewer = viewer ? "ready" : "none";
 }
 
-/** Shows nothing any more. */
+/** Removes the report. */
 export function clear() {
   viewer?.dispose();
   viewer = null;

@@ -1,8 +1,8 @@
-// The library in a thread of its own. It gets the compiled module first, then requests, which it answers in their order.
+// Runs the library in its own thread. It receives the compiled module first, then requests, which it answers in order.
 
 import { startLibrary } from "./library.js";
 
-/** Progress is told once for each percent. */
+/** Last percent of progress sent: it is sent once for each percent. */
 let percent = 0;
 
 const told = {

@@ -1,5 +1,5 @@
-"""Remeshes the active object: exactly as many vertices as wanted, evenly spread, in triangles close to equilateral, with UVs,
-colours, vertex groups and materials. The result is a new object; the one that was remeshed stays."""
+"""Remeshes the active object: exactly as many vertices as requested, evenly spread, in triangles close to equilateral, with UVs,
+colours, vertex groups and materials. The result is a new object; the original is kept."""
 
 import bpy
 

@@ -1,14 +1,14 @@
-"""A call that runs beside the interface."""
+"""Calls that run in the background while the interface stays responsive."""
 
 import threading
 
 
 class Cancelled(Exception):
-    """The user does not want the result any more."""
+    """The user has cancelled the job."""
 
 
 class Job:
-    """Runs `call(progress)` on a thread of its own. It touches nothing of Blender."""
+    """Runs `call(progress)` on its own thread. The call must not access Blender's data."""
 
     def __init__(self, call):
         self.stage, self.share = "", 0.0
@@ -20,7 +20,7 @@ class Job:
     def _run(self):
         try:
             self._result = self._call(self._tell)
-        # Whatever it is, whoever waits gets it.
+        # Any error is passed to the caller of `result`.
         except BaseException as error:
             self._error = error
 
@@ -34,11 +34,11 @@ class Job:
         return not self._thread.is_alive()
 
     def cancel(self):
-        """The call ends when it next tells its progress; nobody has to wait for that."""
+        """Ends the call when it next reports progress, without waiting for that."""
         self._cancelled.set()
 
     def result(self):
-        """What the call gave, or its error."""
+        """Waits for the call, and returns its result or raises its error."""
         self._thread.join()
         if self._error is not None:
             raise self._error

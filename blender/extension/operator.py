@@ -1,4 +1,4 @@
-"""The operator. It works beside the interface where there is one, else at once."""
+"""The operator. It runs in the background if there is an interface, otherwise synchronously."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from . import source, target
 from .job import Cancelled, Job
 from .settings import options
 
-# Seconds between two looks at the job.
+# Seconds between two checks of the job.
 TICK = 0.1
 
 
@@ -20,7 +20,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
     bl_label = "Spectral Remesh"
     bl_options = {"REGISTER", "UNDO"}
 
-    #: The job that runs beside the interface, if there is one.
+    #: The job that runs in the background, if there is one.
     running = None
 
     @classmethod
@@ -38,7 +38,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
         return self.execute(context) if bpy.app.background else self.begin(context)
 
     def begin(self, context):
-        """Starts the job beside the interface; `modal` goes on."""
+        """Starts the job in the background. `modal` continues it."""
         job = self._start(context)
         if job is None:
             return {"CANCELLED"}
@@ -66,7 +66,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Blender calls it, too, when it ends or opens another file."""
+        """Cancels the job. Blender calls this, too, when it exits or opens another file."""
         OBJECT_OT_spectral_remesh.running.cancel()
         self._leave(context)
 
@@ -75,7 +75,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
         return {"CANCELLED"} if job is None else self._finish(context, job)
 
     def _start(self, context):
-        """The job for the active object, or `None` after a report of why there is none."""
+        """Starts the job for the active object. If that is impossible, reports why and returns `None`."""
         obj = context.object
         try:
             self._source = source.read(obj)
@@ -83,13 +83,13 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return None
-        # By its name, since undoing replaces all objects.
+        # The object is remembered by name, since undo replaces all objects.
         self._name = obj.name
         mesh = self._source.as_mesh()
         return Job(lambda progress: spectral_remesh.remesh(mesh, progress=progress, **chosen))
 
     def _finish(self, context, job):
-        """Puts the result beside the original."""
+        """Adds the result next to the original."""
         try:
             remeshed = job.result()
         except Cancelled:
@@ -130,7 +130,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
             self.report({"WARNING"}, f"{text}, not verified: {why}; try another seed or more vertices")
 
     def _leave(self, context):
-        """Leaves the interface as it was before."""
+        """Restores the interface."""
         OBJECT_OT_spectral_remesh.running = None
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()

@@ -1,10 +1,10 @@
-"""What a user can set, and the arguments for the library that follow from it."""
+"""The user's settings, and their conversion to arguments of the library."""
 
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-# A vertex is in the mask from this weight on.
+# Minimum weight of a vertex in the mask.
 IN_MASK = 0.5
 
 
@@ -76,7 +76,7 @@ class RemeshSettings(bpy.types.PropertyGroup):
 
 
 def options(settings, source):
-    """The arguments of `spectral_remesh.remesh`, or a `ValueError` for a group that `source` does not have."""
+    """Returns the arguments of `spectral_remesh.remesh`. Raises `ValueError` for a group that `source` does not have."""
     chosen = {"seed": settings.seed}
     if settings.density == "POINTS":
         chosen["points"] = settings.points
@@ -85,7 +85,7 @@ def options(settings, source):
     if settings.grading == "SHAPE":
         chosen["adapt"] = settings.adapt
     elif settings.grading == "GROUP":
-        # One factor scales them to the density.
+        # The lengths are relative: a common factor scales them to the requested density.
         chosen["sizing"] = settings.finer ** -source.weights(settings.sizing_group, "Lengths by vertex group")
     if settings.features == "ANGLE":
         chosen["features"] = float(np.degrees(settings.angle))

@@ -1,4 +1,4 @@
-"""An object of Blender as arrays."""
+"""Reads a Blender object as arrays."""
 
 from dataclasses import dataclass, field
 
@@ -6,8 +6,8 @@ import numpy as np
 
 import spectral_remesh
 
-# For each type of attributes that is carried: the member with the numbers, how many there are, and their type. Of floats the
-# mean is taken, of whole numbers the nearest.
+# For each type of attribute that is carried over: the member with the values, the number of components, and their type. Floats
+# are interpolated, integers taken from the nearest vertex.
 KINDS = {
     "FLOAT": ("value", 1, np.float32),
     "INT": ("value", 1, np.int32),
@@ -20,49 +20,49 @@ KINDS = {
     "QUATERNION": ("value", 4, np.float32),
 }
 
-# Prefixes of the names of arrays: groups and attributes may have the same names, and some names mean something to the
+# Prefixes of the names of arrays, since groups and attributes may have the same names, and some names have a meaning in the
 # library.
 GROUP, ATTRIBUTE = "group:", "attribute:"
 
 
 @dataclass
 class Source:
-    """A copy of what is remeshed, since it may be changed in Blender meanwhile."""
+    """A copy of the mesh to remesh, since the original may change in Blender meanwhile."""
 
-    #: Positions of vertices, in the units of the scene, axis by axis `scale` times those of the mesh.
+    #: Vertex positions in the units of the scene: along each axis, `scale` times those of the mesh.
     vertices: np.ndarray
     scale: np.ndarray
     triangles: np.ndarray
     polygon_of_triangle: np.ndarray
-    #: The two vertices of each edge that is marked sharp.
+    #: The two vertices of each edge marked sharp.
     sharp_edges: np.ndarray
-    #: Coordinates of the corners of triangles in the UV map that is rendered, and its name.
+    #: Coordinates of the corners of triangles in the UV map used for rendering, and its name.
     uv: np.ndarray | None = None
     uv_name: str = ""
-    #: Numbers of vertices, with the prefixes above.
+    #: Values at vertices, by names with the prefixes above.
     of_vertices: dict = field(default_factory=dict)
-    #: Numbers of polygons by the names of attributes, with their types: materials, flat shading.
+    #: Types and values of polygon attributes, by name: materials, flat shading.
     of_polygons: dict = field(default_factory=dict)
-    #: The types of attributes of vertices by their names.
+    #: Types of vertex attributes, by name.
     kinds: dict = field(default_factory=dict)
-    #: The names of vertex groups, in their order.
+    #: Names of the vertex groups, in order.
     groups: list = field(default_factory=list)
-    #: What is lost.
+    #: Data that is left out.
     left_out: list = field(default_factory=list)
 
     def weights(self, group, setting):
-        """The weights of a group that a setting names."""
+        """Returns the weights of the group selected in a setting."""
         if group not in self.groups:
             raise ValueError(f"{setting}: the object has no vertex group '{group}'; choose one")
         return self.of_vertices[GROUP + group].astype(np.float64)
 
     def as_mesh(self):
-        """The same as a mesh of the library."""
+        """Returns a mesh of the library."""
         return spectral_remesh.Mesh(self.vertices, self.triangles, attributes=self.of_vertices, texture=self.uv)
 
 
 def read(obj):
-    """The mesh of an object before its modifiers, or a `ValueError` that says what is wrong with it."""
+    """Reads the mesh of an object, without its modifiers. Raises `ValueError` if it cannot be remeshed."""
     mesh = obj.data
     if not mesh.polygons:
         raise ValueError(f"{obj.name} has no faces; a surface is needed")
@@ -88,7 +88,7 @@ def read(obj):
 
 
 def numbers(collection, member, components, kind):
-    """A member of all items, a row each where it has several components."""
+    """Returns a member of all items of a collection, as rows if it has several components."""
     values = np.empty(len(collection) * components, dtype=kind)
     collection.foreach_get(member, values)
     return values if components == 1 else values.reshape(-1, components)
@@ -116,7 +116,7 @@ def _read_attributes(source, mesh):
     maps = {layer.name for layer in mesh.uv_layers}
     for attribute in mesh.attributes:
         name = attribute.name
-        # Sharp edges are found anew on the result.
+        # Sharp edges are marked again on the result.
         if name.startswith(".") or name in maps or name in ("position", "sharp_edge"):
             continue
         if attribute.domain == "EDGE" or attribute.data_type not in KINDS:
@@ -138,7 +138,7 @@ def _read_attributes(source, mesh):
 
 
 def _means_of_corners(mesh, values):
-    """For each vertex the mean of the corners there."""
+    """Returns the mean of the corners at each vertex."""
     vertex = numbers(mesh.loops, "vertex_index", 1, np.int32)
     rows = values.reshape(len(vertex), -1)
     columns = [np.bincount(vertex, column, len(mesh.vertices)) for column in rows.T]

@@ -1,4 +1,4 @@
-"""A remeshed surface as an object of Blender, beside the one that was remeshed."""
+"""Adds a remeshed surface as a Blender object next to the original."""
 
 import bpy
 import numpy as np
@@ -7,7 +7,7 @@ from .source import ATTRIBUTE, GROUP, KINDS, numbers
 
 
 def add(obj, source, remeshed):
-    """A copy of `obj`, with its materials, modifiers and parents, whose mesh is the result."""
+    """Adds a copy of `obj`, with its materials, modifiers and parents, whose mesh is the result, and returns it."""
     mesh = _mesh(f"{obj.data.name}.remeshed", remeshed.vertices / source.scale, remeshed.faces)
     for material in obj.data.materials:
         mesh.materials.append(material)
@@ -64,7 +64,7 @@ def _mark_sharp(mesh, ends):
 
 def _add_uv(mesh, name, texture):
     layer = mesh.uv_layers.new(name=name, do_init=False)
-    # Corners of faces without coordinates have none in the library; here every corner has some.
+    # In the library, corners of faces without texture coordinates have none (NaN). In Blender every corner has coordinates.
     layer.uv.foreach_set("vector", np.nan_to_num(texture).astype(np.float32).ravel())
 
 

@@ -1,4 +1,4 @@
-"""Blender without an interface, with the extension installed from its zip into a scratch folder, as a user would."""
+"""Runs Blender without an interface, with the extension installed from its zip in a scratch folder, as a user would."""
 
 import os
 import tempfile

@@ -1,4 +1,4 @@
-"""Objects to remesh, and what is known of them."""
+"""Objects to remesh, and their properties."""
 
 import bmesh
 import bpy
@@ -16,7 +16,7 @@ def places(mesh):
 
 
 def corners(mesh):
-    """The vertices at the corners of the triangles of a mesh that has no other faces."""
+    """Returns the corners of the triangles of a mesh without other faces."""
     return numbers(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3)
 
 
@@ -38,8 +38,8 @@ def set_weights(obj, name, values):
 
 
 def suzanne():
-    """Suzanne, smooth, with her UV map, colours that tell the place, a group that tells the height, and a
-    material on each side."""
+    """Adds Suzanne, smooth, with her UV map, colours that encode the position, a group that encodes the height, and
+    a material on each side."""
     bpy.ops.mesh.primitive_monkey_add(calc_uvs=True)
     obj = bpy.context.object
     mesh = obj.data
@@ -69,14 +69,14 @@ def suzanne():
 
 
 def imported(path):
-    """An object from a file, active."""
+    """Imports an object from a file, and makes it active."""
     kind = path.suffix[1:]
     getattr(bpy.ops.wm, f"{kind}_import")(filepath=str(path), **({"forward_axis": "Y", "up_axis": "Z"} if kind != "obj" else {}))
     return bpy.context.object
 
 
 def state(obj):
-    """Everything of an object that must stay as it is."""
+    """Returns everything about an object that must not change."""
     mesh = obj.data
     return (
         obj.name,
@@ -91,7 +91,7 @@ def state(obj):
 
 
 def lengths(obj):
-    """Those of the edges, as they are in the scene."""
+    """Returns the edge lengths in the units of the scene."""
     at = places(obj.data) * np.abs(obj.matrix_world.to_scale())
     ends = at[numbers(obj.data.edges, "vertices", 2, np.int32)]
     return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)

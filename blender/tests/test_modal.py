@@ -1,4 +1,4 @@
-"""What happens beside the interface. Without one the parts of it that the operator uses are stand-ins."""
+"""The operator in the background of the interface. Stand-ins replace the parts of the interface that it uses."""
 
 import inspect
 import sys
@@ -13,7 +13,7 @@ ESC, TICK, MOVE = (SimpleNamespace(type=kind, value="PRESS") for kind in ("ESC",
 
 
 class Interface:
-    """A window manager and a workspace that remember what they were told."""
+    """A window manager and a workspace that record their calls."""
 
     def __init__(self):
         self.shares, self.texts, self.timers = [], [], 0
@@ -43,7 +43,7 @@ class Interface:
 
 @pytest.fixture
 def begun():
-    """The operator as it begins on Suzanne, the context and the interface around it."""
+    """The operator before it begins on Suzanne, with its context and interface."""
     module = next(m for name, m in sys.modules.items() if name.endswith("spectral_remesh.operator"))
     kind = module.OBJECT_OT_spectral_remesh
     operator = type("Operator", (), {n: f for n, f in vars(kind).items() if inspect.isfunction(f)})()
@@ -102,7 +102,7 @@ def test_esc_ends_a_job_and_leaves_nothing(begun):
     with pytest.raises(Exception, match="^$"):
         job.result()
     assert (state(begun.obj), len(bpy.data.objects), len(bpy.data.meshes)) == before
-    # Another one may begin then.
+    # Another job may begin then.
     assert bpy.ops.object.spectral_remesh.poll()
 
 

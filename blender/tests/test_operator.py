@@ -1,4 +1,4 @@
-"""What the operator makes of objects, without an interface."""
+"""The operator remeshes objects without an interface."""
 
 import bpy
 import numpy as np
@@ -10,7 +10,7 @@ import spectral_remesh
 
 
 def remesh(obj, **settings):
-    """Runs the operator on an object, and gives the result, which is the active object then."""
+    """Runs the operator on an object, and returns the result, which is then the active object."""
     for name, value in settings.items():
         setattr(bpy.context.scene.spectral_remesh, name, value)
     bpy.context.view_layer.objects.active = obj

@@ -1,1 +1,1 @@
-"""The paper's experiments with this implementation, and the comparison with other remeshers, by one command."""
+"""Runs the paper's experiments with this implementation and the comparison with other remeshers, in one command."""

@@ -55,7 +55,7 @@ def _run(options):
     if options.into and (options.out or options.quick or not options.only):
         sys.exit('eval/run: --into goes with --only, and neither with --quick nor with --out')
     whole = results.load(options.into) if options.into else None
-    # Ended by another program, too, a run ends what it started.
+    # A run that is ended from outside also ends the processes that it started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit('eval/run: ended; `eval/run report` shows what was done'))
     all_of_it = not options.only and not options.quick
     out = options.into or options.out or (results.LATEST if all_of_it else results.PARTIAL)

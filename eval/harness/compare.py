@@ -1,11 +1,11 @@
-"""Tells what got better and what got worse between two runs, beyond noise.
+"""Finds what got better and what got worse between two runs, beyond noise.
 
-An experiment that has figures of ours to watch gives them by
+An experiment whose figures of this program are to be watched provides them by
 
     watched(raw) -> {name: (value, sense, noise)}
 
-with sense +1 where more is better and -1 where less is, and noise the difference that means nothing. Seconds are held
-against each other only where both runs were on machines with as many cores of the same architecture.
+where sense is +1 if more is better and -1 if less is better, and noise is the difference that is not significant.
+Seconds are compared only if both runs were on machines with the same architecture, system and number of cores.
 """
 
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from . import results
 
 @dataclass
 class Changes:
-    """Lines of what changed, and what cannot be told."""
+    """What got better or worse and what is missing, one line each, and the number of unchanged figures."""
     better: list = field(default_factory=list)
     worse: list = field(default_factory=list)
     gone: list = field(default_factory=list)
@@ -49,7 +49,7 @@ def _sort(found, what, old, new):
 
 
 def text(before, after, name_before, name_after):
-    """The changes as lines of text."""
+    """Returns the changes as lines of text."""
     found = changes(before, after)
     lines = ['%s (%s) against %s (%s)' % (name_after, after['date'], name_before, before['date'])]
     for head, which in (('WORSE', found.worse), ('better', found.better)):

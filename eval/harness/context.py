@@ -1,4 +1,4 @@
-"""What an experiment may use: the built programs, the models, a scratch folder, and how much to do."""
+"""Resources of an experiment: the built programs, the models, a scratch folder, and the amount of work."""
 
 import json
 import os
@@ -11,8 +11,8 @@ ROOT = os.path.dirname(EVAL)
 
 @dataclass(frozen=True)
 class Case:
-    """A model, the number of vertices wanted of it, whether it is a CAD part whose sharp edges are to stay, and the one
-    experiment that takes it; None if all do."""
+    """A model, its target number of vertices, whether it is a CAD part whose sharp edges must stay, and the only
+    experiment that uses it; None if all do."""
     name: str
     path: str
     points: int
@@ -22,7 +22,7 @@ class Case:
 
 @dataclass
 class Context:
-    """Handed to `run` of every experiment. `scratch` is an empty folder, `figures` the one for pictures."""
+    """Argument of `run` of every experiment. `scratch` is an empty folder, `figures` the folder for pictures."""
     cases: list[Case]
     scratch: str
     figures: str
@@ -31,20 +31,20 @@ class Context:
     binary: str = os.path.join(ROOT, 'target', 'release', 'remesh')
 
     def example(self, name):
-        """The path of a built example of the package."""
+        """Returns the path of a built example of the package."""
         return os.path.join(ROOT, 'target', 'release', 'examples', name)
 
     def case(self, name):
-        """The case of that name, or None where its model is not at hand."""
+        """Returns the case with this name, or None if its model is not available."""
         return next((c for c in self.cases if c.name == name), None)
 
     def file(self, name):
-        """A path in the scratch folder."""
+        """Returns a path in the scratch folder."""
         return os.path.join(self.scratch, name)
 
 
 def cases_at_hand(models):
-    """The cases of eval/cases.json whose files are in data/ or in the folder `models`, and the names of the others."""
+    """Returns the cases of eval/cases.json whose files are in data/ or in `models`, and the names of the others."""
     with open(os.path.join(EVAL, 'cases.json'), encoding='utf-8') as f:
         listed = json.load(f)
     found, missing = [], []

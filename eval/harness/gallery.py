@@ -1,4 +1,4 @@
-"""The pictures of docs/gallery.md, of what its own commands make."""
+"""Draws the pictures of docs/gallery.md from the results of the commands on that page."""
 
 import os
 import re
@@ -18,7 +18,7 @@ OPTION = re.compile(r'--(\w+) (\S+)')
 
 
 def draw(scratch):
-    """Runs the commands of the page in an empty folder, draws its pictures, and gives their paths."""
+    """Runs the commands of the page in an empty folder, draws its pictures, and returns their paths."""
     context = Context(cases=[], scratch=scratch, figures=FIGURES)
     os.symlink(os.path.join(ROOT, 'data'), context.file('data'))
     with open(PAGE, encoding='utf-8') as f:

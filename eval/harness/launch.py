@@ -1,7 +1,8 @@
-"""Starts a program, waits for it, and tells what it took: `python -I -S launch.py PIPE TIMEOUT PROGRAM WORDS...`.
+"""Runs a program and measures its time and memory: `python -I -S launch.py PIPE TIMEOUT PROGRAM WORDS...`.
 
-A process of its own, and a small one, because the system counts the memory of whoever starts a program as the program's
-own: the harness has much, this has some 10 MB. Writes `status seconds maxrss` to the descriptor PIPE.
+This is a separate, small process, because the system counts the memory of the process that starts a program as the
+program's own: the harness uses much memory, this process about 10 MB. Writes `status seconds maxrss` to the descriptor
+PIPE.
 """
 
 import os
@@ -12,12 +13,12 @@ import time
 
 def main():
     pipe, timeout, program = int(sys.argv[1]), float(sys.argv[2]), sys.argv[3]
-    # Processes that the program leaves behind must not hold the pipe open, and the program must not outlive the
+    # Processes left behind by the program must not keep the pipe open, and the program must not outlive the
     # harness.
     os.set_inheritable(pipe, False)
     parent = os.getppid()
     start = time.perf_counter()
-    # A group of its own, so that what the program starts can be ended with it.
+    # A separate process group, so that processes started by the program can be ended with it.
     pid = os.posix_spawn(program, sys.argv[3:], os.environ, setpgroup=0)
     done = 0
     while not done:

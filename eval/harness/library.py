@@ -1,4 +1,4 @@
-"""Asks the library, through its binary and its examples."""
+"""Calls the library through its binary and its examples."""
 
 import json
 
@@ -8,26 +8,26 @@ from . import mesh
 from .points import reach, read_xyz, write_xyz
 from .process import run
 
-# A program that takes longer hangs.
+# Seconds after which a program counts as hanging.
 TIMEOUT = 300
 
-# How far points reach at the least when they become a surface, in distances of the sixth neighbour: the default; and
-# at the most.
+# Smallest and largest support radius with which a surface is made, in distances of the sixth neighbour. The smallest is
+# the default.
 LEAST_REACH, MOST_REACH = 2.2, 20.0
 
 
 def call(context, *words):
-    """Runs the binary and gives what it took. Exit status 3 is a mesh that could not be verified."""
+    """Runs the binary, and returns its time, memory and output. Exit status 3 means an unverified mesh."""
     return run([context.binary, *map(str, words), '--quiet'], TIMEOUT, (0, 3))
 
 
 def example(context, name, *words):
-    """Runs an example and gives what it took."""
+    """Runs an example, and returns its time, memory and output."""
     return run([context.example(name), *map(str, words)], TIMEOUT)
 
 
 def measure(context, points, queries):
-    """s of the library at `queries` for the neighbours `points`, in units of σ: (queries, neighbours counted)."""
+    """Returns the library's s at `queries` for neighbours `points`, in units of σ: (queries, neighbours counted)."""
     files = context.file('neighbours.txt'), context.file('queries.txt')
     for path, rows in zip(files, (points, queries)):
         np.savetxt(path, rows, fmt='%.17g')
@@ -36,14 +36,14 @@ def measure(context, points, queries):
 
 
 def samples(context, path, *options):
-    """Positions and normals of samples of a surface, by `remesh sample`."""
+    """Returns positions and normals of samples of a surface, by `remesh sample`."""
     target = context.file('samples.xyz')
     call(context, 'sample', path, target, '--seed', context.seed, *options)
     return read_xyz(target)
 
 
 def scan(context, points, normals, sigma_p, sigma_n):
-    """The numbers of the points that our linear scan keeps, and the seconds that it takes by its own report."""
+    """Returns the indices of the points kept by our linear scan, and its seconds according to its own report."""
     source, target, report = (context.file('scan' + end) for end in ('.xyz', '.kept.xyz', '.json'))
     write_xyz(source, points, normals)
     call(context, 'sample', source, target, '--scan-only', '--sigma-p', sigma_p, '--sigma-n', sigma_n,
@@ -54,13 +54,13 @@ def scan(context, points, normals, sigma_p, sigma_n):
 
 
 def remesh(context, source, target, points, *options):
-    """Remeshes a file, and gives the result."""
+    """Remeshes a file and returns the result."""
     call(context, source, target, '--points', points, '--seed', context.seed, *options)
     return mesh.read(target)
 
 
 def surface(context, name, points, normals, far, cell):
-    """The implicit surface of a cloud by `remesh reconstruct`; points reach `far`, and cells have edges of `cell`."""
+    """Returns the surface of a cloud by `remesh reconstruct`, with support radius `far` and cell edges of `cell`."""
     source, target = context.file(name + '.xyz'), context.file(name + '.ply')
     write_xyz(source, points, normals)
     smooth = min(reach(points, far, LEAST_REACH), MOST_REACH)

@@ -7,48 +7,48 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Mesh:
-    """Vertices of shape (V, 3), float64, and triangles of shape (F, 3), int64: indices of vertices."""
+    """Vertices of shape (V, 3), float64, and triangles of shape (F, 3), int64 indices of vertices."""
     vertices: np.ndarray
     triangles: np.ndarray
 
     def corners(self):
-        """The places of the corners of all triangles: (F, 3, 3)."""
+        """Returns the positions of the corners of all triangles: (F, 3, 3)."""
         return self.vertices[self.triangles]
 
     def used(self):
-        """The same mesh without vertices that no triangle has."""
+        """Returns the same mesh without unused vertices."""
         kept, triangles = np.unique(self.triangles, return_inverse=True)
         return Mesh(self.vertices[kept], triangles.reshape(-1, 3))
 
     def welded(self):
-        """The same mesh with vertices at exactly the same place as one, without triangles that vanish by that."""
+        """Returns the mesh with coincident vertices merged, without the triangles that become degenerate by this."""
         places, index = np.unique(self.vertices, axis=0, return_inverse=True)
         triangles = index.ravel()[self.triangles]
         proper = np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)
         return Mesh(places, triangles[proper]).used()
 
     def diagonal(self):
-        """Diagonal of the bounding box of the vertices in use."""
+        """Returns the diagonal of the bounding box of the used vertices."""
         places = self.used().vertices
         return float(np.linalg.norm(places.max(axis=0) - places.min(axis=0))) if len(places) else 0.0
 
     def areas(self):
-        """Areas of all triangles."""
+        """Returns the areas of all triangles."""
         a, b, c = self.corners().transpose(1, 0, 2)
         return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
     def volume(self):
-        """What a closed mesh encloses; negative if its triangles look inwards."""
+        """Returns the volume enclosed by a closed mesh; negative if its triangles face inwards."""
         a, b, c = (self.corners() - self.vertices.mean(axis=0)).transpose(1, 0, 2)
         return float(np.sum(a * np.cross(b, c)) / 6)
 
     def outward(self):
-        """The same surface with triangles that look outwards, if it is closed and they do not (in files of scans they
-        may look inwards)."""
+        """Returns the same surface with triangles that face outwards, if it is closed (in scan files, they may face
+        inwards)."""
         return Mesh(self.vertices, self.triangles[:, ::-1]) if self.volume() < 0 else self
 
     def split(self):
-        """The same surface with each triangle split in four at the middles of its sides."""
+        """Returns the same surface with each triangle split into four at the midpoints of its sides."""
         sides = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         ends, index = np.unique(sides, axis=0, return_inverse=True)
         a, b, c = self.triangles.T
@@ -58,7 +58,7 @@ class Mesh:
                     np.concatenate([np.stack(part, axis=1) for part in parts]))
 
     def normals(self):
-        """Unit normals of the vertices: those of the triangles at each, weighted by area."""
+        """Returns unit normals of the vertices: means of the normals of adjacent triangles, weighted by area."""
         a, b, c = self.corners().transpose(1, 0, 2)
         sums = np.zeros_like(self.vertices)
         np.add.at(sums, self.triangles.ravel(), np.repeat(np.cross(b - a, c - a), 3, axis=0))
@@ -66,8 +66,8 @@ class Mesh:
 
 
 def read(path):
-    """Any file that MeshLab reads, without the vertices that no triangle uses. MeshLab's reader, because it knows
-    polygons and strips, keeps doubles, and makes one vertex of the corners of STL facets at one place."""
+    """Reads any file that MeshLab reads, without unused vertices. MeshLab's reader is used because it supports polygons
+    and strips, keeps doubles, and merges coincident corners of STL facets."""
     import pymeshlab
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.load_new_mesh(path)
@@ -76,7 +76,7 @@ def read(path):
 
 
 def read_ply(path):
-    """Reads what `write` wrote, and nothing else, so that peers need no other program to read their input."""
+    """Reads only files written by `write`, so that peers need no other program to read their input."""
     with open(path, 'rb') as f:
         header = [line.decode('ascii').split() for line in iter(f.readline, b'end_header\n')]
         counts = {words[1]: int(words[2]) for words in header if words[0] == 'element'}
@@ -86,7 +86,7 @@ def read_ply(path):
 
 
 def write(path, mesh):
-    """Binary PLY, little endian, of doubles."""
+    """Writes binary little-endian PLY with doubles."""
     faces = np.empty(len(mesh.triangles), _FACE)
     faces['count'], faces['corners'] = 3, mesh.triangles
     with open(path, 'wb') as f:
@@ -109,7 +109,7 @@ end_header
 
 
 def write_points(path, points, normals=None):
-    """Binary PLY of points without triangles, with their unit normals where they are given."""
+    """Writes points without triangles as binary PLY, with their unit normals if these are given."""
     names = 'x y z nx ny nz'.split()[:3 if normals is None else 6]
     lines = ['ply', 'format binary_little_endian 1.0', 'element vertex %d' % len(points)]
     lines += ['property double ' + name for name in names] + ['end_header', '']

@@ -1,6 +1,6 @@
-"""Pictures of meshes and of samples as PNG, drawn without a display.
+"""Draws pictures of meshes and of samples as PNG, without a display.
 
-The meshes of a run are gone when its report is written, so a run draws its pictures itself."""
+The meshes of a run no longer exist when its report is written, so the run itself draws its pictures."""
 
 import os
 
@@ -15,8 +15,8 @@ CAPTION = 30
 
 
 def meshes(context, name, captions, paths, size=420, **options):
-    """Draws meshes in a row by the example `render`, each with a caption; gives the Markdown that shows the picture.
-    Options are those of `render`."""
+    """Draws meshes in a row with the example `render`, each with a caption, and returns the Markdown that shows the
+    picture. Options are those of `render`."""
     panels = []
     for number, path in enumerate(paths):
         target = context.file('picture-%d.png' % number)
@@ -27,8 +27,8 @@ def meshes(context, name, captions, paths, size=420, **options):
 
 
 def samples(context, name, captions, sets, surface, size=420, view=(30, 20)):
-    """Draws sets of samples, each (positions, normals), as dots; `surface` is a dense one of the surface, which hides
-    those that lie behind it. `view` is azimuth and elevation in degrees, with z up."""
+    """Draws sets of samples, each (positions, normals), as dots; `surface` is a dense set on the surface, which hides
+    the samples behind it. `view` is azimuth and elevation in degrees, with z up."""
     right, up, towards = _camera(view)
     low = np.array([(surface[0] @ axis).min() for axis in (right, up)])
     high = np.array([(surface[0] @ axis).max() for axis in (right, up)])
@@ -52,7 +52,7 @@ def samples(context, name, captions, sets, surface, size=420, view=(30, 20)):
 
 
 def _dots(places, shape, surface_mask, cells, fine=3):
-    """Dots on the pale shape of the surface."""
+    """Draws dots on the pale silhouette of the surface."""
     pale = np.where(surface_mask.T[..., None], (226, 232, 240), PAPER).astype(np.uint8)
     picture = Image.fromarray(pale).resize(np.array(surface_mask.shape) * cells * fine, Image.BILINEAR)
     draw = ImageDraw.Draw(picture)
@@ -63,7 +63,7 @@ def _dots(places, shape, surface_mask, cells, fine=3):
 
 
 def _camera(view):
-    """Unit vectors to the right, up, and towards the camera: those of the example `render`."""
+    """Returns unit vectors to the right, up, and towards the camera, as in the example `render`."""
     a, e = np.radians(view)
     right = np.array([-np.sin(a), np.cos(a), 0])
     towards = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
@@ -71,7 +71,7 @@ def _camera(view):
 
 
 def _in_a_row(context, name, captions, panels):
-    """One picture of several, captions above."""
+    """Joins several pictures in one row, with captions above them."""
     height = max(panel.height for panel in panels)
     row = Image.new('RGB', (sum(panel.width for panel in panels), height + CAPTION), PAPER)
     draw, font, left = ImageDraw.Draw(row), ImageFont.truetype(findfont('DejaVu Sans'), 14), 0

@@ -1,4 +1,4 @@
-"""Plots as SVG: one look for all, and the same bytes for the same figures."""
+"""Plots as SVG, with a uniform style, and with the same bytes for the same figures."""
 
 import os
 
@@ -23,19 +23,19 @@ plt.rcParams.update(STYLE)
 
 
 def panels(rows, columns, width=3.4, height=2.7, **more):
-    """A figure and its axes in a grid; width and height of each in inches."""
+    """Returns a figure with a grid of axes; width and height of each in inches."""
     return plt.subplots(rows, columns, figsize=(width * columns, height * rows), squeeze=False, **more)
 
 
 def save(figure, figures, name):
-    """Writes figures/NAME.svg and gives the Markdown that shows it."""
+    """Writes figures/NAME.svg and returns the Markdown that shows it."""
     figure.savefig(os.path.join(figures, name + '.svg'), metadata={'Date': None, 'Creator': None})
     plt.close(figure)
     return '![](figures/%s.svg)' % name
 
 
 def bare(axes):
-    """No ticks and no frame, the same scale along both axes: for pictures of points."""
+    """Removes ticks and frame, and sets equal scales on both axes, for pictures of points."""
     axes.set_aspect('equal')
     axes.set_xticks([])
     axes.set_yticks([])

@@ -1,4 +1,4 @@
-"""Point clouds with normals: their spacing, noise and files, and the surface that MeshLab makes of one."""
+"""Point clouds with normals: spacing, noise, files, and MeshLab's surface of a cloud."""
 
 import numpy as np
 import pymeshlab
@@ -9,45 +9,46 @@ from .process import Failed
 
 
 def nearest(points, count=1):
-    """Distances of each point to the `count` nearest others: (n, count)."""
+    """Returns the distances of each point to its `count` nearest neighbours: (n, count)."""
     return cKDTree(points).query(points, k=count + 1)[0][:, 1:]
 
 
 def scaled(points, size=100.0):
-    """Moved and scaled so that the longest side of the bounding box is `size`, as the paper does (section 7)."""
+    """Returns the points moved and scaled so that the longest side of the bounding box is `size` (paper, section 7)."""
     low, high = points.min(axis=0), points.max(axis=0)
     return (points - 0.5 * (low + high)) * (size / (high - low).max())
 
 
 def noisy(points, normals, deviation, seed):
-    """Points moved along their normals by Gaussian noise. The same seed gives the same noise but for the deviation."""
+    """Returns the points moved along their normals by Gaussian noise, which `deviation` scales for a given seed."""
     return points + deviation * np.random.default_rng(seed).normal(size=(len(points), 1)) * normals
 
 
 def write_xyz(path, *columns):
-    """Text, a point a line: positions, and normals where they are given."""
+    """Writes text with one point per line: position, and normal if given."""
     np.savetxt(path, np.concatenate(columns, axis=1), fmt='%.17g')
 
 
 def read_xyz(path):
-    """Points and normals of an .xyz file."""
+    """Returns the points and normals of an .xyz file."""
     rows = np.loadtxt(path, ndmin=2)
     return rows[:, :3], rows[:, 3:6]
 
 
 def reach(points, far, least):
-    """How far points reach in distances of the sixth neighbour, the measure of both ways to make a surface: `far` in
-    units, or `least` where that is more. With less than a program's default there are holes."""
+    """Returns the support radius in mean distances of the sixth neighbour, the unit of both methods of making a
+    surface: `far`, which is in length units, or `least` if that is more. Below a program's default there would be
+    holes."""
     return max(far / nearest(points, 6)[:, -1].mean(), least)
 
 
-# The default of MeshLab.
+# MeshLab's default.
 LEAST_REACH = 2.0
 
 
 def surface_of_meshlab(points, normals, far, cell):
-    """The surface of a cloud by MeshLab's RIMLS and marching cubes; points reach `far`, and cells have edges of `cell`.
-    Raises `Failed`."""
+    """Returns the surface of a cloud by MeshLab's RIMLS and marching cubes, with support radius `far` and cell edges
+    of `cell`. Raises `Failed`."""
     found = pymeshlab.MeshSet()
     found.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=normals))
     resolution = int(np.ceil(np.ptp(points, axis=0).max() / cell))

@@ -1,4 +1,4 @@
-"""Running a program to its end, with its time and memory."""
+"""Runs a program to its end, and measures its time and memory."""
 
 import os
 import shutil
@@ -11,12 +11,12 @@ LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'launch.py')
 
 
 class Failed(Exception):
-    """A program that crashed, refused or ran out of its time; the message says which."""
+    """A program crashed, refused or exceeded its time limit; the message says which."""
 
 
 @dataclass(frozen=True)
 class Ran:
-    """Wall seconds of the whole process, its most resident memory in megabytes, and what it wrote."""
+    """Wall-clock seconds of the whole process, its peak resident memory in megabytes, and its standard output."""
     seconds: float
     megabytes: float
     output: str
@@ -30,7 +30,7 @@ def run(command, timeout=600, may_exit=(0,), environment=None):
     reading, writing = os.pipe()
     with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as printed, os.fdopen(reading) as told:
         words = [sys.executable, '-I', '-S', LAUNCH, str(writing), str(timeout), program, *command[1:]]
-        # It has a group of its own, so that it can end the program when the harness is ended.
+        # The launcher has a separate process group, so that it can end the program when the harness is ended.
         process = subprocess.Popen(words, stdout=printed, stderr=said, env=environment, pass_fds=[writing],
                                    process_group=0)
         os.close(writing)

@@ -1,9 +1,10 @@
-"""One model through several programs, timed beside each other.
+"""Runs several programs on one model and times them next to each other.
 
-Every run of a peer comes right before or right after one of ours on the same file, which two peers share, so that a
-pair of times saw the same machine. What only takes an edge length is tuned until the number of vertices fits: at most
-`TRIES` runs, the nearest of which counts as the first timing. Programs are timed in rounds, as many as the time allows;
-what takes long is timed once. A crash, a refusal, a timeout or an unreadable result is a result: {'failed': why}.
+Every run of a peer comes directly before or after one of ours on the same file, which two peers share, so that both
+times of a pair are measured under the same conditions. The edge length of programs that take only an edge length is
+tuned until the number of vertices fits: in at most `TRIES` runs, the closest of which counts as the first timing.
+Programs are timed in as many rounds as the time allows; slow programs are timed once. A crash, a refusal, a timeout or
+an unreadable output is a result, too: {'failed': why}.
 """
 
 import math
@@ -24,16 +25,16 @@ LONG = 10
 
 
 def race(programs, source, reference, wanted, sharp, rounds, scratch, budget=math.inf):
-    """Results by name of `programs` (a dict of what `peers.peer` gives), which must have 'remesh'.
+    """Returns the results by name of `programs` (a dict of values of `peers.peer`), which must contain 'remesh'.
 
-    `source` is a file that harness.mesh wrote, `reference` the same as a mesh; `budget` is in seconds.
+    `source` is a file written by harness.mesh, `reference` its content as a mesh; `budget` is in seconds.
     """
     entry = _Entry(source, wanted, sharp, scratch)
     until = time.perf_counter() + budget
     own = programs['remesh']
     lanes = [_Lane(own if name != 'remesh' else None, program, name, entry, reference)
              for name, program in programs.items()]
-    # Round by round, so that where the time is up no program has had many more runs than another.
+    # Round by round, so that no program has had many more runs than another when the time is up.
     for _ in range(1, rounds):
         entry.ours = None
         for lane in lanes:
@@ -46,16 +47,16 @@ class _Entry:
     def __init__(self, source, wanted, sharp, scratch):
         self.source, self.wanted, self.sharp = source, wanted, sharp
         self.scratch = scratch
-        # Our times since the last run of a peer that has had them beside it.
+        # Times of our last run, until a second peer has used them.
         self.ours = None
 
     def run(self, program, name, asked):
-        """One run: seconds of remeshing alone, those of the process, megabytes, and the file."""
+        """Runs a program once. Returns the seconds of remeshing alone and of the process, and megabytes."""
         target = os.path.join(self.scratch, name + '.ply')
         if os.path.exists(target):
             os.remove(target)
         command = program.command(self.source, target, asked, self.sharp)
-        # 3 is how ours says that its result could not be verified.
+        # Exit status 3 of ours means an unverified result.
         ran = process.run(command, TIMEOUT, (0, 3) if name.split('.')[0] in OURS else (0,))
         if not os.path.exists(target):
             raise process.Failed('wrote no result')
@@ -70,7 +71,7 @@ def _alone(program, output, target):
 
 
 class _Lane:
-    """One program: its result and its runs so far. The first is done at once."""
+    """One program: its result and its runs so far. The first run is made on construction."""
 
     def __init__(self, own, program, name, entry, reference):
         self.own, self.program, self.name, self.entry = own, program, name, entry
@@ -106,15 +107,15 @@ class _Lane:
 
 
 def _measures(found, reference, sharp):
-    """The measures, or `Failed`: a broken mesh costs its own row alone."""
+    """Returns the measures, or raises `Failed`: a broken mesh affects only its own row."""
     try:
         return measure(found, reference, sharp=sharp)
-    except Exception as problem:  # whatever the libraries make of a broken mesh
+    except Exception as problem:  # any error of the libraries on a broken mesh
         raise process.Failed('its result cannot be measured: %s' % problem) from problem
 
 
 def _tuned(own, program, name, entry):
-    """What to ask for, the mesh that this gives, and the run that made it, in a list."""
+    """Returns the number to request, the resulting mesh, and a list with the run that made it."""
     asked, best = entry.wanted, None
     for _ in range(1 if program.COUNTS else TRIES):
         try:
@@ -137,7 +138,7 @@ def _off(found, entry):
 
 
 def _pair(own, program, name, asked, entry):
-    """A run of the program beside one of ours, the last one if it is right before; `own` is None for ours itself."""
+    """Runs the program next to ours, reusing our last run if it was directly before; `own` is None for ours itself."""
     run = entry.run(program, name, asked)
     if not own:
         return {**run, 'our_alone': run['alone'], 'our_process': run['process']}
@@ -148,7 +149,7 @@ def _pair(own, program, name, asked, entry):
 
 
 def _ours(own, entry):
-    """Our times. A failure of ours has a row of its own and does not count as the peer's."""
+    """Returns our times. A failure of ours has its own row and is not attributed to the peer."""
     try:
         return entry.run(own, 'remesh.pair', entry.wanted)
     except process.Failed:
@@ -156,10 +157,10 @@ def _ours(own, entry):
 
 
 def _read(path):
-    """A result, or `Failed`."""
+    """Reads a result. Raises `Failed`."""
     try:
         found = mesh.read(path)
-    except Exception as problem:  # whatever the reader makes of a broken file
+    except Exception as problem:  # any error of the reader on a broken file
         raise process.Failed('its result cannot be read: %s' % problem) from problem
     if not len(found.triangles):
         raise process.Failed('its result has no triangles')
@@ -169,14 +170,14 @@ def _read(path):
 
 
 def ratios(result):
-    """How many times as long as ours each run took, by remeshing alone where it is told, else by whole processes; of
-    those pairs where ours did not fail."""
+    """Returns the time of each run relative to ours, for the pairs in which ours did not fail. Compares remeshing alone
+    if the program reports it, and whole processes otherwise."""
     alone = result['seconds'][0] is not None
     key = ('seconds', 'our_seconds') if alone else ('process_seconds', 'our_process_seconds')
     return [theirs / ours for theirs, ours in zip(result[key[0]], result[key[1]]) if ours]
 
 
 def median_of(values):
-    """The median, or None of no values."""
+    """Returns the median of the known values, or None without any."""
     known = [v for v in values if v is not None]
     return statistics.median(known) if known else None

@@ -1,4 +1,4 @@
-"""The figures in README.md and docs/figures.md, written from those of a run between two markers in each."""
+"""Writes the figures of a run into README.md and docs/figures.md, between two markers in each."""
 
 import os
 import sys
@@ -16,15 +16,15 @@ BEGIN, END = '<!-- figures:begin -->', '<!-- figures:end -->'
 FAULTY = '†'
 WRITTEN = 'Written by `eval/run readme`; do not edit.'
 
-# Heading, and the printf form of the measure of that name in verdicts.MEASURES.
+# Heading, and printf format of the measure with this name in verdicts.MEASURES.
 BEST = {'θmin': '%.1f', 'mean θmin': '%.1f', 'θmax': '%.1f', 'Qmin': '%.2f', 'Qave': '%.3f', '% of valence 6': '%.1f',
         'variation of edges': '%.3f', 'RMS distance': '%.3f', 'Hausdorff distance': '%.2f'}
-# Those of the short table.
+# Measures of the short table.
 SHORT = ['θmin', 'mean θmin', 'Hausdorff distance']
 
 
 def rewrite(found):
-    """Puts the sections between the markers of README.md and of docs/figures.md."""
+    """Replaces the sections between the markers of README.md and of docs/figures.md."""
     for path, text in [(README, short_section(found)), (FIGURES, section(found))]:
         with open(path, encoding='utf-8') as f:
             page = between_markers(f.read(), text, os.path.relpath(path, ROOT))
@@ -34,7 +34,7 @@ def rewrite(found):
 
 
 def between_markers(page, text, name):
-    """The page with `text` between its markers."""
+    """Returns the page with `text` between its markers."""
     if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
         sys.exit('eval/run: %s needs one %s and, after it, one %s' % (name, BEGIN, END))
     before, rest = page.split(BEGIN)
@@ -42,7 +42,8 @@ def between_markers(page, text, name):
 
 
 def short_section(found):
-    """A row for each model that all programs remeshed: ours and the best of the others, by a few measures."""
+    """Returns a table with a row per model of the experiment `remeshers`: ours and the best other, by a few
+    measures."""
     made = _made_with(found, 'remeshers')
     parts = ['Measured on %s on %s. %s' % (made['date'], results.machine_words(made), WRITTEN)]
     raw = _experiment(found, 'remeshers')
@@ -52,7 +53,7 @@ def short_section(found):
 
 
 def section(found):
-    """All figures that the page has, of those experiments that the run had."""
+    """Returns all figures of the page, from those of its experiments that the run contains."""
     made = _made_with(found, 'cases')
     parts = ['Version %s, measured on %s (%s) by `%s`. %s '
              '[eval/RESULTS.md](../eval/RESULTS.md) has all figures, the settings of the other programs, and what is '
@@ -63,19 +64,19 @@ def section(found):
         raw = _experiment(found, name)
         if raw:
             date = _made_with(found, name)['date']
-            # Experiments that were made apart have a date of their own.
+            # Experiments from a different run have their own date.
             first, *rest = write(raw)
             parts += [first if date == made['date'] else '%s Measured on %s.' % (first, date), *rest]
     return '\n\n'.join(parts)
 
 
 def _made_with(found, name):
-    """When, on what machine and how an experiment was made, which may be apart from the rest."""
+    """Returns the date, machine and command of an experiment, which may come from a different run than the rest."""
     return found.get('apart', {}).get(name, found)
 
 
 def _experiment(found, name):
-    """The figures of an experiment, or `None` if the run did not have it or it failed."""
+    """Returns the figures of an experiment, or `None` if it is missing or failed."""
     raw = found['experiments'].get(name)
     return raw if raw and 'failed' not in raw else None
 
@@ -96,7 +97,7 @@ def _cases(raw):
 
 
 def _best(raw):
-    """For each measure our row, and one with the best of the others."""
+    """Returns a table with two rows per measure: ours, and the best of the others."""
     models = {name: model['results'] for name, model in raw['models'].items()}
     rows = []
     for label, form in BEST.items():
@@ -110,7 +111,7 @@ def _best(raw):
 
 
 def _value(label):
-    """The function that reads a measure in a result."""
+    """Returns the function that reads a measure in a result."""
     measure = measure_called(label)
     return lambda result: measure.of(result['measures'])
 

@@ -1,9 +1,9 @@
 """The figures of a run as JSON: what was measured, when, with which versions, on what machine, by which command.
 
-`experiments` has what each experiment's `run` gave; one that failed has {'failed': why}. Those that were measured apart
-from the rest and put into its file have their date, versions, machine and command in `apart`. RESULTS.md is written from
-this alone. Each experiment runs in a process of its own, and the file is written after each, so that what fails, hangs
-or is cut off costs nothing but itself.
+`experiments` has the return value of each experiment's `run`, or {'failed': why}. Experiments from a different run that
+were put into the file have their date, versions, machine and command in `apart`. RESULTS.md is written from this file
+only. Each experiment runs in a separate process, and the file is written after each one, so that an experiment that
+fails, hangs or is interrupted does not affect the others.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ from .experiments import NAMES
 SCHEMA = 'spectral-remesh/eval/1'
 LATEST = os.path.join(EVAL, 'results', 'latest.json')
 PARTIAL = os.path.join(EVAL, 'partial', 'results.json')
-# What is kept of a run of which only some experiments were put into another.
+# Members kept from a run when only some of its experiments are put into another.
 MADE_WITH = ('date', 'command', 'quick', 'seed', 'versions', 'machine', 'missing_models')
 # Seconds after which an experiment is ended.
 LIMIT = 1800
@@ -38,8 +38,8 @@ def experiment(name):
 
 
 def run(names, models, quick, out, command, whole=None):
-    """Runs the experiments, writes what they give to `out` after each, and returns it; with `whole`, the figures of an
-    earlier run, in place of what these have of the same experiments."""
+    """Runs the experiments, writes their figures to `out` after each one, and returns them. If `whole`, the figures of
+    an earlier run, is given, they replace its figures of the same experiments."""
     cases, missing = cases_at_hand(None if quick else models)
     for name in [] if quick else missing:
         sys.stderr.write('%s is left out: its model is not there (--models FOLDER)\n' % name)
@@ -60,12 +60,12 @@ def run(names, models, quick, out, command, whole=None):
 
 
 def cases_for(name, cases):
-    """Those of the cases that the experiment of that name takes."""
+    """Returns the cases that the experiment with this name uses."""
     return [case for case in cases if case.only in (None, name)]
 
 
 def joined(whole, part):
-    """The figures of a run with those of a later one in place of its own, and what these were measured with."""
+    """Returns the figures of a run, with experiments of a later run in place of its own, and the origin of those."""
     experiments = whole['experiments'] | part['experiments']
     return whole | {
         'seconds': whole['seconds'] | part['seconds'],
@@ -80,7 +80,7 @@ def _tell(seconds, words):
 
 
 def _save(found, path):
-    """Writes the file whole or not at all."""
+    """Writes the file completely or not at all."""
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     with open(path + '.new', 'w', encoding='utf-8') as f:
         json.dump(found, f, indent=1, ensure_ascii=False, allow_nan=False)
@@ -89,7 +89,7 @@ def _save(found, path):
 
 
 def alone(measure, context, limit=LIMIT):
-    """What `measure(context)` gives, by a process of its own, so that no error, crash or hang ends the others."""
+    """Returns `measure(context)`, run in a separate process, so that no error, crash or hang affects the others."""
     target = context.file('raw.json')
     process = multiprocessing.get_context('spawn').Process(target=_measured, args=(measure, context, target))
     process.start()
@@ -105,8 +105,8 @@ def alone(measure, context, limit=LIMIT):
 
 
 def _measured(measure, context, target):
-    """Writes the raw figures, or what went wrong."""
-    # A group of its own, so that the processes that it starts can be ended with it.
+    """Writes the raw figures, or the error."""
+    # A separate process group, so that the processes that it starts can be ended with it.
     os.setpgid(0, 0)
     try:
         raw = json.dumps(measure(context), allow_nan=False)
@@ -119,7 +119,7 @@ def _measured(measure, context, target):
 
 
 def _end(process):
-    """Ends a process and all of its group."""
+    """Ends a process and its process group."""
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.kill()
@@ -127,7 +127,7 @@ def _end(process):
 
 
 def versions():
-    """Of the program under test and of what the harness itself uses."""
+    """Returns the versions of the program under test and of the packages that the harness uses."""
     def words(command):
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         return done.stdout.strip() if done.returncode == 0 else None
@@ -148,7 +148,7 @@ def machine():
 
 
 def command_line(options):
-    """The command as typed, without names of folders outside of the project."""
+    """Returns the command as typed, without names of folders outside the project."""
     words = ['eval/run']
     words += ['--models FOLDER'] if options.models else []
     words += ['--only ' + options.only] if options.only else []
@@ -157,7 +157,7 @@ def command_line(options):
 
 
 def load(path):
-    """The figures in a file. Exits where it is none."""
+    """Returns the figures in a file. Exits if it is not a file of figures."""
     try:
         with open(path, encoding='utf-8') as f:
             found = json.load(f)
@@ -169,19 +169,19 @@ def load(path):
 
 
 def committed():
-    """The figures of the last committed run, or None."""
+    """Returns the figures of the last committed run, or None."""
     name = os.path.relpath(LATEST, ROOT)
     done = subprocess.run(['git', 'show', 'HEAD:./' + name], cwd=ROOT, capture_output=True, text=True)
     return json.loads(done.stdout) if done.returncode == 0 else None
 
 
 def folder_of(path):
-    """Where RESULTS.md of a file goes: eval/ for the latest whole run, and beside the file for all others."""
+    """Returns the folder of RESULTS.md for a file: eval/ for the latest complete run, otherwise that of the file."""
     return EVAL if os.path.abspath(path) == LATEST else os.path.dirname(os.path.abspath(path))
 
 
 def report(found, folder):
-    """Writes RESULTS.md and figures/ into `folder`; the path of the former."""
+    """Writes RESULTS.md and figures/ into `folder`, and returns the path of RESULTS.md."""
     figures = os.path.join(folder, 'figures')
     os.makedirs(figures, exist_ok=True)
     parts = [_heading(found)]

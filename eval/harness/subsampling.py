@@ -1,18 +1,18 @@
-"""Ways to take a part of a point cloud that are not ours, from the descriptions of their authors.
+"""Subsampling methods for point clouds by other authors, implemented from their descriptions.
 
 `remove_nearest_to_surface` is AS: M. Alexa, J. Behr, D. Cohen-Or, S. Fleishman, D. Levin, C. Silva, Point set surfaces,
-2001, section 4.1. The contribution of a point is its distance from its projection on the surface that the others
-define; the point with the least goes, and the contributions of those around it are worked out anew.
+2001, section 4.1. The contribution of a point is its distance from its projection onto the surface defined by the
+others. The point with the smallest contribution is removed, and the contributions of the points around it are updated.
 
-`remove_least_of_kernels` is after KS: M. Kitago, M. Gopi, Efficient and prioritized point subsampling for CSRBF
-compression, 2006, as the paper describes it: an iterative simplification by a kernel-based measure. Here the point goes
-whose removal changes the surface of the kernels least, by the squared change of its implicit function summed over all
-points of the input around it, be they there still or not.
+`remove_least_of_kernels` is based on KS: M. Kitago, M. Gopi, Efficient and prioritized point subsampling for CSRBF
+compression, 2006, as the paper describes it: an iterative simplification by a kernel-based measure. Here, the point is
+removed whose removal changes the surface of the kernels least, measured by the squared change of its implicit function,
+summed over all input points around it, whether they have been removed or not.
 
-Both have a priority queue and change only what a removal touches. The kernel is exp(-|x - y|²/σ²), cut off at REACH σ.
-Departures: the plane that AS fits over is that of the point's normal, and the polynomial is quadratic.
+Both use a priority queue and update only what a removal affects. The kernel is exp(-|x - y|²/σ²), cut off at REACH σ.
+Departures: the reference plane of AS is the tangent plane given by the point's normal, and the polynomial is quadratic.
 
-Cost: about 0.3 ms a removal. Limits: a point with fewer neighbours than a polynomial needs is kept.
+Cost: about 0.3 ms per removal. Limits: a point with fewer neighbours than a polynomial needs is kept.
 """
 
 import heapq
@@ -27,12 +27,12 @@ RIDGE = 1e-9
 
 
 def random_subset(count, wanted, seed):
-    """`wanted` of `count` numbers, in increasing order."""
+    """Returns `wanted` random indices below `count`, in increasing order."""
     return np.sort(np.random.default_rng(seed).permutation(count)[:wanted])
 
 
 def voxel_subset(points, wanted):
-    """For each voxel of a grid the point nearest to its middle, of the grid for which these are about `wanted`."""
+    """Returns the point nearest to the centre of each voxel, for the grid that gives about `wanted` points."""
     narrow, wide = 1e-4 * np.ptp(points, axis=0).max(), np.ptp(points, axis=0).max()
     for _ in range(30):
         size = (narrow * wide) ** 0.5
@@ -50,7 +50,7 @@ def _one_a_voxel(points, size):
 
 
 class Neighbours:
-    """For each point the others within REACH σ, as rows of one array, and their weights."""
+    """The neighbours of each point within REACH σ, as rows of one array, and their weights."""
 
     def __init__(self, points, sigma):
         one, other = cKDTree(points).query_pairs(REACH * sigma, output_type='ndarray').astype(np.int32).T
@@ -65,19 +65,19 @@ class Neighbours:
         return slice(self.start[i], self.start[i + 1])
 
     def rows(self, several):
-        """The places of all rows of `several`, one row after the other."""
+        """Returns the array positions of all rows of `several`, one row after the other."""
         first, count = self.start[several], self.start[several + 1] - self.start[several]
         before = np.cumsum(count) - count
         return np.arange(count.sum()) + np.repeat(first - before, count)
 
 
 def remove_nearest_to_surface(points, normals, wanted, sigma):
-    """AS: the numbers of the `wanted` points that stay, in increasing order. `sigma` is the width of the kernel."""
+    """Returns the indices of the `wanted` points that AS keeps, in increasing order. `sigma` is the kernel width."""
     near = Neighbours(points, sigma)
     across, along = _frames(normals)
 
     def terms(here, other):
-        """The polynomial's terms at `other` over the plane of `here`, and the height there."""
+        """Returns the polynomial's terms at `other` over the plane of `here`, and the height there."""
         d = (points[other] - points[here]) / sigma
         u, v, height = (np.einsum('ij,ij->i', d, axis[here]) for axis in (across, along, normals))
         return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1), height
@@ -93,7 +93,7 @@ def remove_nearest_to_surface(points, normals, wanted, sigma):
                 matrix[:, k, l] += np.bincount(here, weight[:, 0] * t[:, k] * t[:, l], len(points))
 
     def contributions(of):
-        """The height of the polynomial of the others at a point."""
+        """Returns the distance of each point from the polynomial fitted to the others."""
         height = np.linalg.solve(matrix[of] + RIDGE * np.eye(TERMS), right[of][..., None])[:, 0, 0]
         return np.where(neighbours[of] > TERMS, np.abs(height), np.inf)
 
@@ -112,7 +112,7 @@ def remove_nearest_to_surface(points, normals, wanted, sigma):
 
 
 def _frames(normals):
-    """Two unit vectors across each normal."""
+    """Returns two unit vectors perpendicular to each normal."""
     least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     across = np.cross(normals, least)
     across /= np.linalg.norm(across, axis=1, keepdims=True)
@@ -120,25 +120,25 @@ def _frames(normals):
 
 
 def remove_least_of_kernels(points, normals, wanted, sigma):
-    """KS: the numbers of the `wanted` points that stay, in increasing order. `sigma` is the width of the kernel."""
+    """Returns the indices of the `wanted` points that KS keeps, in increasing order. `sigma` is the kernel width."""
     near = Neighbours(points, sigma)
     count = len(points)
-    # f(x) = Σ wᵢ nᵢᵀ(x - pᵢ) / Σ wᵢ at each point of the input; the point itself has the weight 1 and the value 0.
+    # f(x) = Σ wᵢ nᵢᵀ(x - pᵢ) / Σ wᵢ at each input point; the point itself has the weight 1 and the value 0.
     value = np.einsum('ij,ij->i', normals[near.other], points[near.here] - points[near.other])
     above = np.bincount(near.here, near.weight * value, count)
     below = 1.0 + np.bincount(near.here, near.weight, count)
-    # The rows seen from the point that is removed: the change at `other` if `here` goes.
+    # The rows from the point of view of the removed point: the change at `other` if `here` is removed.
     seen = np.einsum('ij,ij->i', normals[near.here], points[near.other] - points[near.here])
 
     def changes(at, places):
-        """The squared change of f at the points `at` if those of `places` go."""
+        """Returns the squared change of f at the points `at` if those of `places` are removed."""
         left = below[at] - near.weight[places]
         change = (above[at] - near.weight[places] * seen[places]) / np.maximum(left, RIDGE) - above[at] / below[at]
-        # Where nothing is left there is no surface any more.
+        # Where no points are left, there is no surface any more.
         return np.where(left > 1e-6, np.minimum(change ** 2, sigma ** 2), sigma ** 2)
 
     def own(of):
-        """The same at the points themselves."""
+        """Returns the same at the removed points themselves."""
         left = below[of] - 1.0
         change = np.where(left > 1e-6, above[of] / np.maximum(left, RIDGE) - above[of] / below[of], sigma)
         return np.minimum(change ** 2, sigma ** 2)
@@ -162,8 +162,8 @@ def remove_least_of_kernels(points, normals, wanted, sigma):
 
 
 def _remove_one_by_one(cost, without, wanted):
-    """Removes the point of the least cost until `wanted` are left. `without(i, alive)` gives the points whose costs
-    change with the removal of `i`, and these costs."""
+    """Removes the point with the lowest cost until `wanted` are left. `without(i, alive)` returns the points whose
+    costs change when `i` is removed, and their new costs."""
     cost = cost.copy()
     alive = np.ones(len(cost), bool)
     queue = [(c, i) for i, c in enumerate(cost.tolist())]

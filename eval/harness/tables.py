@@ -1,19 +1,19 @@
-"""Markdown tables and lists, and numbers as text."""
+"""Formats Markdown tables, lists and numbers."""
 
 
 def markdown(rows):
-    """A table: the first row is the heading, the first column its text."""
+    """Returns a table whose first row is the heading and whose first column is text."""
     lines = [rows[0], [':--'] + ['--:'] * (len(rows[0]) - 1)] + rows[1:]
     return '\n'.join('| ' + ' | '.join(str(cell) for cell in line) + ' |' for line in lines)
 
 
 def number(form, value):
-    """`value` in the printf form `form`, or a dash where there is none."""
+    """Returns `value` in the printf format `form`, or a dash for None."""
     return '-' if value is None else form % value
 
 
 def spread(values, form='%.2f'):
-    """Median (least..greatest) of some numbers."""
+    """Returns `median (minimum..maximum)` of the known values."""
     known = sorted(v for v in values if v is not None)
     if not known:
         return '-'
@@ -25,7 +25,7 @@ def spread(values, form='%.2f'):
 
 
 def listed(names):
-    """`a, b and c`"""
+    """Returns `a, b and c`."""
     names = list(names)
     if len(names) < 2:
         return names[0] if names else 'none'
@@ -37,10 +37,10 @@ def bullets(sentences):
 
 
 def less(quick, words):
-    """What a quick run did not do, as a sentence to end a paragraph with; nothing for a full one."""
+    """Returns a closing sentence on what a quick run left out; an empty string for a full run."""
     return ' Quick: %s.' % words if quick else ''
 
 
 def columns(title, names, rows):
-    """A table of one column a model: `rows` is a list of a heading and a dict by model."""
+    """Returns a table with one column per model: `rows` is a list of pairs of a heading and a dict by model."""
     return markdown([[title] + names] + [[head] + [cells.get(name, '') for name in names] for head, cells in rows])

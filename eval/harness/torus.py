@@ -8,27 +8,27 @@ A. Lagae, P. Dutré, A comparison of methods for generating Poisson disk distrib
 import numpy as np
 from scipy.spatial import Voronoi, cKDTree
 
-# How far beyond the square its copies count. No empty disk of some hundred random points is as large.
+# Width around the square in which its copies count. No empty disk among a few hundred random points is as large.
 MARGIN = 0.2
 
 
 def lloyd(points, iterations):
-    """`points` (n, 2) of the unit square after so many iterations."""
+    """Returns `points` (n, 2) of the unit square after this number of iterations."""
     for _ in range(iterations):
         points = centroids(points)[0] % 1.0
     return points
 
 
 def centroids(points):
-    """Centroids of the Voronoi cells on the torus, and the energy: the integral of the squared distance to the nearest
-    point over the square."""
+    """Returns the centroids of the Voronoi cells on the torus, and the energy: the integral over the square of the
+    squared distance to the nearest point."""
     count = len(points)
     copies = np.concatenate([points] + [points + [i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)])
     copies = copies[np.all((copies > -MARGIN) & (copies < 1 + MARGIN), axis=1)]
     cells = Voronoi(copies)
     ridges = np.array(cells.ridge_vertices)
     pairs = cells.ridge_points
-    # Each side of a cell spans a triangle with the cell's point.
+    # Each side of a cell forms a triangle with the cell's point.
     pairs, ridges = np.concatenate([pairs, pairs[:, ::-1]]), np.concatenate([ridges, ridges])
     own = (pairs[:, 0] < count) & np.all(ridges >= 0, axis=1)
     at = pairs[own, 0]
@@ -41,13 +41,13 @@ def centroids(points):
 
 
 def radius(points):
-    """ρ: half the distance of the nearest pair, by that of hexagonal packing."""
+    """Returns ρ: half the distance of the closest pair, relative to that of hexagonal packing."""
     nearest = cKDTree(points % 1.0, boxsize=1.0).query(points % 1.0, k=2)[0][:, 1].min()
     return float(0.5 * nearest * (2 * 3 ** 0.5 * len(points)) ** 0.5)
 
 
 def periodogram(points, highest):
-    """|Σ exp(-2πi f·x)|² / n at whole frequencies f from -highest to highest: (2 highest + 1) squared."""
+    """Returns |Σ exp(-2πi f·x)|² / n at integer frequencies f from -highest to highest: (2 highest + 1) squared."""
     frequencies = np.arange(-highest, highest + 1)
     along = np.exp(-2j * np.pi * np.outer(frequencies, points[:, 0]))
     up = np.exp(-2j * np.pi * np.outer(frequencies, points[:, 1]))
@@ -55,8 +55,8 @@ def periodogram(points, highest):
 
 
 def rings(power):
-    """Mean power over the rings |f| = 1, 2 .., and its variance by the square of that, in decibels. Of each pair of
-    opposite frequencies, which have the same power, one counts."""
+    """Returns the mean power over the rings |f| = 1, 2 .., and its variance relative to the squared mean, in decibels.
+    Of each pair of opposite frequencies, which have the same power, only one counts."""
     highest = len(power) // 2
     v, u = np.mgrid[-highest:highest + 1, -highest:highest + 1]
     ring = np.rint(np.hypot(u, v)).astype(int)

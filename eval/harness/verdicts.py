@@ -1,4 +1,4 @@
-"""Says which of two results is better, measure by measure."""
+"""Determines which of two results is better, measure by measure."""
 
 from dataclasses import dataclass
 
@@ -8,10 +8,10 @@ from .tables import listed
 
 @dataclass(frozen=True)
 class Measure:
-    """A figure by which results are held against each other.
+    """A figure by which results are compared.
 
-    `path` is where it is in what `measures.measure` gives, if it is there, `sense` +1 if more is better and -1 if less
-    is, `noise` the difference that means nothing.
+    `path` is its place in the return value of `measures.measure`, which may lack it. `sense` is +1 if more is better
+    and -1 if less is better. `noise` is the difference that is not significant.
     """
     label: str
     path: tuple
@@ -24,8 +24,9 @@ class Measure:
         return measures
 
 
-# The noise is the spread (greatest less least) of this program's own results with four seeds that three quarters of
-# eight models stay below, for sharp edges of twelve CAD parts; crossings and angles below 30 degrees had none.
+# The noise is the spread (maximum minus minimum) of this program's results with four seeds that three quarters of eight
+# models stay below; for sharp edges, three quarters of twelve CAD parts. Crossings and angles below 30 degrees had
+# none.
 MEASURES = [
     Measure('θmin', ('shape', 'theta_min'), 1, 2),
     Measure('mean θmin', ('shape', 'theta_min_mean'), 1, 0.25),
@@ -48,19 +49,19 @@ def measure_called(label):
 
 
 def watched_measures(name, measures):
-    """All figures of one result of ours, as `watched` of an experiment gives them."""
+    """Returns all figures of one result of ours, in the format of an experiment's `watched`."""
     known = ((measure, measure.of(measures)) for measure in MEASURES)
     return {'%s %s' % (name, m.label): (value, m.sense, m.noise) for m, value in known if value is not None}
 
 
 def word(ours, theirs, sense=1):
-    """Two figures of which more is better, or less with the sense -1."""
+    """Compares two figures in words. More is better, or less with the sense -1."""
     gain = sense * (ours - theirs)
     return 'better' if gain > 0 else 'worse' if gain < 0 else 'no better'
 
 
 def sign(measure, ours, theirs):
-    """1 where ours is better by more than noise, -1 where worse, 0 otherwise."""
+    """Returns 1 if ours is better by more than noise, -1 if it is worse, and 0 otherwise."""
     a, b = measure.of(ours), measure.of(theirs)
     if a is None or b is None or abs(a - b) <= measure.noise:
         return 0
@@ -68,7 +69,7 @@ def sign(measure, ours, theirs):
 
 
 def against(label, models, name, times=True):
-    """Sentences on ours and the program `name` over all models (name -> results by program)."""
+    """Returns sentences that compare ours with the program `name` on all models (name -> results by program)."""
     both = {m: (r['remesh'], r[name]) for m, r in models.items() if name in r and 'measures' in r['remesh']}
     whole = {m: pair for m, pair in both.items() if 'measures' in pair[1]}
     parts = ['**%s** (%d of %d models):' % (label, len(whole), len(both))]
@@ -78,7 +79,7 @@ def against(label, models, name, times=True):
 
 
 def counts(models, name):
-    """For each measure on how many models ours is better and worse than the program `name`, of how many."""
+    """Returns, for each measure, on how many models ours is better and worse than `name`; and the number of models."""
     both = [(r['remesh']['measures'], r[name]['measures']) for r in models.values()
             if 'measures' in r['remesh'] and 'measures' in r.get(name, {})]
     signs = {measure: [sign(measure, *pair) for pair in both] for measure in MEASURES}
@@ -86,7 +87,7 @@ def counts(models, name):
 
 
 def mostly(label, models, name):
-    """Sentences on ours and the program `name` over models that are too many to be named for each measure."""
+    """Returns sentences that compare ours with the program `name` on too many models to name them for each measure."""
     found, number = counts(models, name)
     better = [measure.label for measure, (more, _) in found.items() if 2 * more > number]
     worse = [measure.label for measure, (_, less) in found.items() if 2 * less > number]
@@ -99,7 +100,7 @@ def mostly(label, models, name):
 
 
 def _shape_words(pairs):
-    """What ours is better and worse in; measures with the same models come together."""
+    """Returns sentences on where ours is better and worse; measures with the same models are grouped."""
     signs = {measure: {m: sign(measure, a['measures'], b['measures']) for m, (a, b) in pairs.items()}
              for measure in MEASURES}
     words = []
@@ -119,7 +120,7 @@ def _which(names, of):
 
 
 def _time_words(pairs):
-    """How long the other took in times of ours, and where the runs' spread does not part them."""
+    """Returns the time of the other program relative to ours, and the models on which all pairs of runs agree."""
     times = {m: r for m, r in ((m, ratios(b)) for m, (_, b) in pairs.items()) if r}
     if not times:
         return 'Its time is not known.'
@@ -144,7 +145,7 @@ def _fault_words(pairs):
 
 
 def faults_of(result):
-    """What is wrong with a result, in a few words each, without numbers that differ from model to model."""
+    """Returns the faults of a result in a few words each, without numbers that differ from model to model."""
     if 'failed' in result:
         return [result['failed']]
     found = result['measures']

@@ -1,4 +1,4 @@
-"""Running programs, comparing runs, and tuning counts."""
+"""Tests running programs, comparing runs, and tuning counts."""
 
 import contextlib
 import io
@@ -23,7 +23,7 @@ class Process(unittest.TestCase):
         self.assertTrue(0.2 <= ran.seconds < 2, ran.seconds)
 
     def test_memory_is_that_of_the_program(self):
-        """It is not the memory of the harness, which has far more; and the program's own is seen."""
+        """The measured memory is the program's own, not that of the harness, which uses far more."""
         held = bytearray(300_000_000)
         held[::4096] = b'x' * len(held[::4096])
         small = process.run([sys.executable, '-c', 'pass']).megabytes
@@ -45,7 +45,7 @@ class Process(unittest.TestCase):
 
 
 class Grid:
-    """A remesher that makes a flat grid of some share of the vertices that it is asked for, and counts its runs."""
+    """A remesher that makes a flat grid with a share of the requested vertices, and records the requests."""
     COUNTS = False
 
     def __init__(self, share, script=''):
@@ -74,7 +74,7 @@ print(0.25)
 
 class Race(unittest.TestCase):
     def results(self, other, rounds=2, budget=60):
-        """One race against `other`, with ours a program that meets the count."""
+        """Runs one race against `other`, in which ours is a program that meets the count."""
         reference = mesh.Mesh(np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0.0]]), np.array([[0, 1, 2]]))
         with tempfile.TemporaryDirectory() as scratch:
             programs = {'remesh': Grid(1), 'other': other}
@@ -128,7 +128,7 @@ class Race(unittest.TestCase):
 
 
 class Words(unittest.TestCase):
-    """Tables and verdicts are computed from figures; here from made-up ones."""
+    """Tables and verdicts are computed from figures; here, from made-up ones."""
 
     def result(self, **changed):
         shape = {'theta_min': 40.0, 'theta_min_mean': 57.0, 'theta_max': 90.0, 'q_min': 0.7, 'q_mean': 0.97,
@@ -159,7 +159,7 @@ class Words(unittest.TestCase):
         self.assertIn('**cgal** (0 of 1 models): nothing to compare. Its faults: signal 11: no message (ball).', text)
 
     def cad_raw(self):
-        """Three parts: one program is worse in angles and better in edges on two, and as good on the third."""
+        """Three parts: on two, one program is worse in angles and better in edges; on the third, it is equally good."""
         raw = self.raw()
         edges = {'sharp_edges': {'rms': 0.1, 'largest': 0.4}}
         own = self.result()
@@ -232,7 +232,7 @@ def crashes(_context):
 
 
 def hangs(context):
-    """Also where a program that it started hangs."""
+    """Hangs in a program that it starts."""
     process.run([sys.executable, '-c', 'import os, time; print(os.getpid(), file=open(%r, "w")); time.sleep(60)'
                  % context.file('pid')])
 
@@ -269,7 +269,7 @@ class Alone(unittest.TestCase):
 
 class Cases(unittest.TestCase):
     def test_some_are_for_one_experiment(self):
-        """The listed CAD parts are those of `cad` alone, and `cad` has them with the sharp ones of all."""
+        """The listed CAD parts are used by `cad` only; `cad` also uses the sharp models of all experiments."""
         with tempfile.TemporaryDirectory() as folder:
             os.mkdir(os.path.join(folder, 'real'))
             part, scan = os.path.join(folder, 'real', 'cgal__anchor.off'), os.path.join(folder, 'horse.ply')
@@ -288,7 +288,7 @@ class Cases(unittest.TestCase):
 
 
 class Into(unittest.TestCase):
-    """Figures of some experiments in the place of those of an earlier run."""
+    """Figures of some experiments replace those of an earlier run."""
 
     def run_of(self, date, **experiments):
         return {'schema': results.SCHEMA, 'date': date, 'command': 'eval/run', 'quick': False, 'seed': 0,

@@ -1,4 +1,4 @@
-"""`remesh quality` and MeshLab's own measures, held to the code of this harness on the models of data/."""
+"""Checks `remesh quality` and MeshLab's own measures against the code of this harness on the models of data/."""
 
 import json
 import os
@@ -17,7 +17,7 @@ DATA = os.path.join(ROOT, 'data')
 MODELS = ['blob.obj', 'bracket.stl', 'noisy.ply', 'shell.off', 'terrain.ply']
 SIX_DIGITS = 1e-6
 
-# Models held against each other, and the ways in which a vertex is what is farthest off.
+# Models compared with each other, and the directions in which the farthest point is a vertex.
 PAIRS = [('blob.obj', 'noisy.ply'), ('terrain.ply', 'shell.off'), ('bracket.stl', 'blob.obj')]
 FARTHEST_VERTEX = [('blob.obj', 'out_to_in'), ('terrain.ply', 'out_to_in'), ('terrain.ply', 'in_to_out'),
                    ('bracket.stl', 'out_to_in'), ('bracket.stl', 'in_to_out')]
@@ -28,13 +28,13 @@ def data(name):
 
 
 def quality(path, against=None):
-    """What `remesh quality --json` says."""
+    """Returns the output of `remesh quality --json`."""
     command = [Context.binary, 'quality', path, '--json'] + (['--against', against] if against else [])
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def loaded(name):
-    """A model in MeshLab."""
+    """Loads a model in MeshLab."""
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.load_new_mesh(data(name))
     return meshes
@@ -58,7 +58,7 @@ class RemeshQuality(unittest.TestCase):
             self.close(said['shape']['percent_valence_6'], own['percent_valence_6'], name)
 
     def test_faulty_topology(self):
-        """Two fans at a vertex, an edge with three faces, a face turned over, an edge used twice in one direction."""
+        """Two fans at a vertex, an edge with three faces, a flipped face, and two components."""
         corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [1, 1, 0.5]], float)
         faulty = {
             'two fans': [[0, 1, 2], [0, 4, 5]],
@@ -75,7 +75,7 @@ class RemeshQuality(unittest.TestCase):
                     self.assertEqual(said[key], own[key], '%s: %s' % (what, key))
 
     def test_distance_of_lifted_plane_to_six_digits(self):
-        """Every point of a square is as far from the same square lifted by h: no sample makes a difference."""
+        """All points of a square are equally far from the same square lifted by h, so samples make no difference."""
         places = np.stack(np.meshgrid(np.linspace(0, 1, 8), np.linspace(0, 1, 8)), axis=-1).reshape(-1, 2)
         row = np.arange(7)[:, None] * 8 + np.arange(7)
         halves = [np.stack([row, row + 1, row + 9], -1), np.stack([row, row + 9, row + 8], -1)]
@@ -92,8 +92,8 @@ class RemeshQuality(unittest.TestCase):
             self.close(said[key], own[key], key)
 
     def test_rms_as_far_as_samples_go(self):
-        """Both take random points of their own. With n of them the root of a mean of squares d^2 is off by about
-        sd(d^2) / (2 rms^2 sqrt(n)) of itself: five times that, for both together, is allowed."""
+        """Both programs use different random points. With n of them, the relative error of the root mean square of d is
+        about sd(d^2) / (2 rms^2 sqrt(n)); five times that, for both together, is allowed."""
         for name, other in PAIRS:
             said, own, ways = self.distances_of(name, other)
             for way, source, target in ways:
@@ -103,8 +103,8 @@ class RemeshQuality(unittest.TestCase):
                 self.close(said['rms_' + way], own['rms_' + way], '%s %s' % (name, way), 5 * noise)
 
     def test_hausdorff_distance(self):
-        """Where it is that of a vertex nothing is random, and six digits agree; elsewhere both are samples' luck, and
-        never less than that of the vertices."""
+        """If the farthest point is a vertex, nothing is random, and six digits agree. Otherwise, both distances depend
+        on the samples, and are never less than that of the vertices."""
         exact = 0
         for name, other in PAIRS:
             said, own, ways = self.distances_of(name, other)
@@ -118,13 +118,13 @@ class RemeshQuality(unittest.TestCase):
         self.assertEqual(exact, len(FARTHEST_VERTEX))
 
     def distances_of(self, name, other):
-        """What the tool says, what the harness says, and both ways with where they begin and end."""
+        """Returns the distances by the tool and by the harness, and both directions with their source and target."""
         one, two = mesh.read(data(name)), mesh.read(data(other))
         ways = [('out_to_in', one, two), ('in_to_out', two, one)]
         return quality(data(name), data(other))['distance'], distance.distances(one, two, 100_000), ways
 
     def test_exact_distance_to_a_triangle(self):
-        """Above the inside, beside an edge, and beyond a corner."""
+        """Points above the inside, beside an edge, and beyond a corner."""
         one = mesh.Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float), np.array([[0, 1, 2]]))
         points = np.array([[0.2, 0.2, 0.5], [0.5, -2, 0], [-3, -4, 0], [1, 1, 0]], float)
         found = distance.to_surface(points, one)
@@ -132,7 +132,7 @@ class RemeshQuality(unittest.TestCase):
 
 
 class MeshLab(unittest.TestCase):
-    """MeshLab's measures, where it has them."""
+    """Compares with MeshLab's measures where it has them."""
 
     def test_counts(self):
         names = {'vertices_number': 'vertices', 'edges_number': 'edges', 'faces_number': 'faces',
@@ -154,13 +154,13 @@ class MeshLab(unittest.TestCase):
             said, read = loaded(name).get_geometric_measures(), mesh.read(data(name))
             np.testing.assert_allclose(read.areas().sum(), said['surface_area'], rtol=SIX_DIGITS, err_msg=name)
             if not topology.topology(read)['boundary_loops']:
-                # On a closed mesh each edge has two sides, so that the mean of edges is that of sides.
+                # On a closed mesh each edge has two sides, so the mean over edges equals the mean over sides.
                 own = shape.shape(read)['edge_mean']
                 np.testing.assert_allclose(own, said['avg_edge_length'], rtol=SIX_DIGITS, err_msg=name)
 
     def test_quality_by_the_radii(self):
-        """MeshLab has 2 r / R, of the inner radius r = S / p and the outer R = abc / 4S; with it and the sides
-        Q = 6 S / (sqrt 3 p h) = 6 r / (sqrt 3 h). It keeps floats, so that thin triangles lose digits."""
+        """MeshLab gives 2 r / R, with the inradius r = S / p and the circumradius R = abc / 4S. With it and the sides,
+        Q = 6 S / (sqrt 3 p h) = 6 r / (sqrt 3 h). MeshLab stores floats, so thin triangles lose digits."""
         for name in MODELS:
             meshes, read = loaded(name), mesh.read(data(name))
             meshes.compute_scalar_by_aspect_ratio_per_face(metric='inradius/circumradius')
@@ -171,7 +171,7 @@ class MeshLab(unittest.TestCase):
             np.testing.assert_allclose(own, 6 * inner / (3 ** 0.5 * sides.max(axis=1)), rtol=1e-4, err_msg=name)
 
     def test_crossing_faces(self):
-        """MeshLab's selector, which the harness uses, and the exact test of the tool: a model and itself, moved."""
+        """MeshLab's selector, as used here, agrees with the tool's exact test on a model and a moved copy of it."""
         one = mesh.read(data('noisy.ply'))
         moved = one.vertices + np.array([0.31, 0.17, 0.05])
         both = mesh.Mesh(np.concatenate([one.vertices, moved]),
@@ -185,7 +185,7 @@ class MeshLab(unittest.TestCase):
         self.assertEqual(crossings.crossing_faces(one), 0)
 
     def test_distance_of_vertices(self):
-        """MeshLab's filter with the vertices as its samples, which are the same for all."""
+        """MeshLab's filter uses the vertices as samples, which are the same for both programs."""
         for name, other in (('blob.obj', 'noisy.ply'), ('bracket.stl', 'blob.obj')):
             meshes = loaded(name)
             meshes.load_new_mesh(data(other))
@@ -199,18 +199,18 @@ class MeshLab(unittest.TestCase):
 
 class Crossings(unittest.TestCase):
     def faces(self, *corners):
-        """How many of such triangles cross, where corners at one place are one."""
+        """Returns how many of these triangles cross, with coincident corners merged."""
         apart = mesh.Mesh(np.array(corners, float).reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
         return crossings.crossing_faces(apart.welded())
 
     def test_contact_is_not_crossing(self):
-        """A triangle that stands on another, goes through it by less than a millionth, and by more."""
+        """A triangle stands on another, passes through it by less than a millionth, and by more."""
         floor = [[0, 0, 0], [9, 0, 0], [0, 9, 0]]
         for foot, crossed in ((0, 0), (-1e-7, 0), (-1e-3, 2)):
             self.assertEqual(self.faces(floor, [[2, 2, foot], [3, 2, 4], [2, 3, 4]]), crossed, foot)
 
     def test_faces_beside_each_other_on_a_plane_do_not_cross(self):
-        """Two of a flat side of the bracket, on a plane but for rounding, which MeshLab alone selects."""
+        """Two faces of a flat side of the bracket, coplanar up to rounding, which only MeshLab's selector selects."""
         off = 6.000000000000011
         self.assertEqual(self.faces(
             [[6, 37.6329634874261, 70.9047726800772], [off, 36.54973154598351, 69.22048670252103],
@@ -221,7 +221,7 @@ class Crossings(unittest.TestCase):
 
 class SharpEdges(unittest.TestCase):
     def test_those_of_a_cube(self):
-        """Its twelve edges and none of the diagonals of its sides."""
+        """The twelve edges are sharp, the diagonals of the sides are not."""
         corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
         sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
         cube = mesh.Mesh(corners, np.array([t for a, b, c, d in sides for t in ([a, b, c], [a, c, d])]))
@@ -231,7 +231,7 @@ class SharpEdges(unittest.TestCase):
         self.assertIsNone(sharp_edges.distances(cube, mesh.read(data('blob.obj')), 10))
 
     def test_an_edge_that_is_cut_off_is_as_far_as_the_cut(self):
-        """Two squares at a right angle, and the same with a flat strip from 0.1 before their edge to 0.1 behind it."""
+        """Two squares at a right angle, and the same with their edge cut off by a flat strip at 0.1 from it."""
         def strip(profile):
             places = np.array([[x, y, z] for x, z in profile for y in (0, 1)], float)
             return mesh.Mesh(places, np.array([t for k in range(0, len(places) - 2, 2)

@@ -1,4 +1,4 @@
-"""Checks the computations of the paper's experiments against what is known."""
+"""Checks the computations of the paper's experiments against known facts."""
 
 import unittest
 
@@ -13,7 +13,7 @@ class Kernel(unittest.TestCase):
         self.assertAlmostEqual(s[0], 1 - np.exp(-0.5), places=12)
 
     def test_the_measure_is_the_distance_to_the_span(self):
-        """In a kernel's space of finitely many features s is the part of a vector across the others (appendix B)."""
+        """In a finite-dimensional feature space, s is the part of a vector orthogonal to the others (appendix B)."""
         rng = np.random.default_rng(1)
         points, x = rng.normal(size=(3, 6)), rng.normal(size=(1, 6))
         across = x[0] - points.T @ np.linalg.lstsq(points.T, x[0], rcond=None)[0]
@@ -52,7 +52,7 @@ class Subsets(unittest.TestCase):
                 self.assertIn(900, kept)
 
     def test_contributions_on_a_plane_are_zero(self):
-        """From a plane with noise in one half, points of the other half are removed first."""
+        """On a plane with noise in one half, points of the other half are removed first."""
         plane = self.plane.copy()
         left = plane[:, 0] < 5
         plane[left, 2] += 0.1 * np.random.default_rng(5).normal(size=left.sum())
@@ -60,7 +60,7 @@ class Subsets(unittest.TestCase):
         self.assertLess(left.mean() + 0.15, left[kept].mean())
 
     def test_changes_that_are_kept_up_are_those_worked_out_anew(self):
-        """AS after removals has the contributions that it would have begun with: the same points go next."""
+        """After removals, AS has the same contributions as a fresh start: the same points are removed next."""
         rng = np.random.default_rng(6)
         points = self.plane + 0.1 * rng.normal(size=self.plane.shape) * [0, 0, 1]
         remove = subsampling.remove_nearest_to_surface
@@ -88,7 +88,7 @@ class Torus(unittest.TestCase):
         moved, energy = torus.centroids(lattice)
         np.testing.assert_allclose(moved, lattice, atol=1e-12)
         self.assertAlmostEqual(energy, 1 / 6 / 16 ** 2, places=12)
-        # Half a spacing by that of hexagonal packing.
+        # Half the spacing, relative to that of hexagonal packing.
         self.assertAlmostEqual(torus.radius(lattice), 0.5 / 16 * (2 * 3 ** 0.5 * 256) ** 0.5, places=12)
 
     def test_white_noise_has_power_one_everywhere(self):

@@ -1,4 +1,4 @@
-//! Writes small whole files of every format into `corpus/`, a folder for each, for the fuzzer to begin with.
+//! Writes small complete files of every format into `corpus/`, one folder per format, as seeds for the fuzzer.
 
 use spectral_remesh::io::Format;
 use spectral_remesh_fuzz::files::{cloud_files, scan, valid_files};
@@ -30,7 +30,7 @@ fn main() {
     put("any", &packed(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
     put("mtl", LIBRARY);
     put("model", MODEL);
-    // Any bytes are a case.
+    // Any bytes encode a case.
     for seed in 0..64u32 {
         let bytes: Vec<u8> =
             (0..40 + 4 * seed).map(|i| (i * (seed + 7)).wrapping_mul(0x9E37_79B9).to_be_bytes()[0]).collect();
@@ -39,14 +39,14 @@ fn main() {
     }
 }
 
-/// Packed by gzip.
+/// Compresses bytes with gzip.
 fn packed(bytes: &[u8]) -> Vec<u8> {
     let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     packer.write_all(bytes).expect("memory does not fail");
     packer.finish().expect("memory does not fail")
 }
 
-/// Two scans of a few points with colours.
+/// Returns an E57 file with two scans of a few points with colours.
 fn e57_file() -> Vec<u8> {
     use e57::{E57Writer, Record, RecordValue};
     let mut bytes = Cursor::new(Vec::new());
@@ -71,7 +71,7 @@ fn e57_file() -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// A hundred compressed points of a layout.
+/// Returns a LAZ file with a hundred compressed points of this layout.
 fn laz_file(layout: u8) -> Vec<u8> {
     use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr};
     const LENGTHS: [u8; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];

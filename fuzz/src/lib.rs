@@ -1,4 +1,4 @@
-//! Code that the targets of the fuzzer share with each other and with the tests of the project.
+//! Code shared by the fuzz targets and the tests of the project.
 
 #[path = "../../tests/all/cases.rs"]
 pub mod cases;

@@ -1,5 +1,4 @@
-//! Checks reading: any bytes give a valid mesh, or an error in a line; and what was read can be written, and read
-//! again.
+//! Checks reading: any bytes give a valid mesh or a one-line error, and what was read can be written and read again.
 
 use crate::files::audit;
 use spectral_remesh::io::{self, Folder, Format, read_named};
@@ -7,22 +6,22 @@ use spectral_remesh::{Error, Image};
 use std::io::Write;
 use std::path::Path;
 
-/// What bytes are taken for.
+/// How bytes are interpreted.
 #[derive(Clone, Copy)]
 pub enum Kind {
-    /// A file without a name, as the program reads it: of any format, perhaps packed.
+    /// A file without a name, as the program reads it: of any format, possibly compressed.
     Any,
     Of(Format),
-    /// An E57 file whose check sums are set right, so that changes get past them.
+    /// An E57 file whose checksums are corrected, so that mutations get past them.
     SealedE57,
-    /// The library of materials of an OBJ.
+    /// The material library of an OBJ.
     Library,
-    /// The model in a 3MF, whose archive is put around it.
+    /// The model in a 3MF; the archive around it is added here.
     Model,
 }
 
 impl Kind {
-    /// The one that the variable FORMAT names.
+    /// Returns the kind named by the variable FORMAT.
     pub fn from_environment() -> Kind {
         match std::env::var("FORMAT").as_deref() {
             Err(_) => Kind::Any,
@@ -33,8 +32,8 @@ impl Kind {
         }
     }
 
-    /// Lets those crates panic whose panics are caught by the reader that calls them: the fuzzer's hook would end it there.
-    /// Any other panic ends it as well without that hook.
+    /// Removes the fuzzer's panic hook, which would end the run, for formats whose crates may panic: the readers that call
+    /// these crates catch their panics. Any other panic ends the run even without the hook.
     pub fn allow_caught_panics(self) {
         if matches!(self, Kind::Any | Kind::Of(Format::Las) | Kind::SealedE57) {
             std::panic::set_hook(Box::new(|_| ()));
@@ -42,7 +41,7 @@ impl Kind {
     }
 }
 
-/// Each file that a file names has the same bytes.
+/// A folder in which every referenced file has the same bytes.
 struct Same<'a>(&'a [u8]);
 
 impl Folder for Same<'_> {
@@ -55,7 +54,7 @@ impl Folder for Same<'_> {
     }
 }
 
-/// Reads them, and checks what is promised of the result.
+/// Reads the bytes, and checks what is promised for the result.
 pub fn read(kind: Kind, bytes: &[u8]) {
     let (bytes, format) = match kind {
         Kind::Any => (bytes.to_vec(), None),
@@ -69,7 +68,7 @@ pub fn read(kind: Kind, bytes: &[u8]) {
         }
     };
     match read_named("name", &bytes, format, &Same(&bytes)) {
-        // Nothing at all, or nothing that looks like a format.
+        // The bytes are empty, or look like no known format.
         Err(Error::File { .. }) => {}
         read => {
             if let Some(loaded) = audit(read) {
@@ -79,7 +78,7 @@ pub fn read(kind: Kind, bytes: &[u8]) {
     }
 }
 
-/// Whatever was read can be written in any format, but for what it has no numbers for, and read again.
+/// Checks that what was read can be written in any format and read again, except for values that the format cannot represent.
 fn written_is_read(loaded: &io::Loaded) {
     let triangles = loaded.mesh.triangles.len();
     for format in Format::OF_MESHES.into_iter().filter(|_| triangles > 0) {
@@ -92,7 +91,7 @@ fn written_is_read(loaded: &io::Loaded) {
     }
 }
 
-/// An archive with one file, the model.
+/// Returns an archive with the model as its only file.
 fn archive(model: &[u8]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
@@ -101,7 +100,7 @@ fn archive(model: &[u8]) -> Vec<u8> {
     archive.finish().expect("memory does not fail").into_inner()
 }
 
-/// The bytes of an E57 file with the right check sum at the end of each page.
+/// Returns the bytes of an E57 file with the correct checksum at the end of each page.
 fn sealed(bytes: &[u8]) -> Vec<u8> {
     const SUM: usize = 4;
     let mut bytes = bytes.to_vec();
@@ -115,7 +114,7 @@ fn sealed(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// CRC-32C, bit by bit.
+/// Computes the CRC-32C bit by bit.
 fn check_sum(bytes: &[u8]) -> u32 {
     const POLYNOMIAL: u32 = 0x82F6_3B78;
     let step = |sum: u32| if sum & 1 == 1 { sum >> 1 ^ POLYNOMIAL } else { sum >> 1 };

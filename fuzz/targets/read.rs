@@ -1,4 +1,4 @@
-//! Any bytes as a file of the format that the variable FORMAT names; without it, of the one that they look like.
+//! Arbitrary bytes as a file of the format named by the variable FORMAT or, without it, of the detected format.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Any bytes as a mesh and options: the whole job ends, and what it verifies is sound.
+//! Arbitrary bytes as a mesh and options: the whole job ends, and verified results are sound.
 
 #![no_main]
 

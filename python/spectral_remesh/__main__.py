@@ -1,4 +1,4 @@
-"""The command ``remesh``, also as ``python -m spectral_remesh``."""
+"""The command ``remesh``, also run by ``python -m spectral_remesh``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from . import _native
 
 
 def main() -> int:
-    """Runs the command with the arguments of the process; its exit status."""
+    """Runs the command with the arguments of the process, and returns its exit status."""
     return _native.main(["remesh", *sys.argv[1:]])
 
 

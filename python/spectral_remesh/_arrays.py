@@ -1,4 +1,4 @@
-"""Converts the arrays of users to those that the compiled half reads. Arrays of usual types are not copied."""
+"""Converts users' arrays to the types that the compiled half reads. Arrays of common types are not copied."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ._errors import ArgumentError
 
 Array = NDArray[Any]
 
-#: Types that the compiled half reads as they are.
+#: Types that the compiled half reads without conversion.
 _PLAIN = [np.dtype(name) for name in ("?", "f4", "f8", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")]
 
 
 def as_vertices(values: ArrayLike) -> Array:
-    """Positions, of shape (n, 3)."""
+    """Returns positions, of shape (n, 3)."""
     array = _numbers("vertices", values, "fiu", "numbers")
     if array.ndim != 2 or array.shape[1] != 3:
         raise ArgumentError("vertices", f"an array of shape (n, 3) is wanted, not {array.shape}")
@@ -26,7 +26,7 @@ def as_vertices(values: ArrayLike) -> Array:
 
 
 def as_faces(values: ArrayLike | None, vertices: Array) -> Array | None:
-    """Triangles, of shape (m, 3); polygons, of shape (m, k), are split. Nothing if there are none."""
+    """Returns triangles, of shape (m, 3), or ``None`` if there are no faces. Polygons, of shape (m, k), are split."""
     if values is None or np.size(values) == 0:
         return None
     array = _numbers("faces", values, "iu", "whole numbers")
@@ -38,13 +38,13 @@ def as_faces(values: ArrayLike | None, vertices: Array) -> Array | None:
 
 
 def split(vertices: Array, corners: ArrayLike, sizes: ArrayLike) -> Array:
-    """The triangles of polygons: the corners of all of them one after another, and how many each has."""
+    """Splits polygons into triangles. ``corners`` has the corners of all polygons in order, ``sizes`` the number per polygon."""
     numbers = [np.ascontiguousarray(values, dtype=np.int64).reshape(-1) for values in (corners, sizes)]
     return _native.split(vertices, *numbers)
 
 
 def as_attributes(arrays: Mapping[str, ArrayLike], vertices: int) -> dict[str, Array]:
-    """Arrays of shape (vertices,) or (vertices, components), as matrices."""
+    """Converts arrays of shape (vertices,) or (vertices, components) to matrices."""
     return {name: _as_columns(name, values, vertices) for name, values in arrays.items()}
 
 
@@ -61,7 +61,7 @@ def _as_columns(name: str, values: ArrayLike, vertices: int) -> Array:
 
 
 def _of_a_file(array: Array) -> np.dtype[Any]:
-    """The type that files have for such numbers: no format has whole numbers of eight bytes."""
+    """Returns the type in which files store such numbers. No format has integers of eight bytes."""
     if array.dtype.kind == "b":
         return np.dtype(np.uint8)
     if array.dtype.kind == "f":
@@ -76,21 +76,21 @@ def _of_a_file(array: Array) -> np.dtype[Any]:
 
 
 def as_lengths(values: str | ArrayLike | None) -> str | Array | None:
-    """The argument ``sizing``."""
+    """Converts the argument ``sizing``."""
     if values is None or isinstance(values, str):
         return values
     return _vector("sizing", values, "fiu", "lengths").astype(np.float64, copy=False)
 
 
 def as_marks(values: str | ArrayLike | None) -> str | Array | None:
-    """The argument ``select``."""
+    """Converts the argument ``select``."""
     if values is None or isinstance(values, str):
         return values
     return _vector("select", values, "b", "truth values")
 
 
 def as_sharp_edges(values: str | float | ArrayLike | None) -> str | float | Array | None:
-    """The argument ``features``."""
+    """Converts the argument ``features``."""
     if values is None or isinstance(values, str) or np.ndim(values) == 0:
         return values  # type: ignore[return-value]
     array = _numbers("features", values, "iu", "numbers of vertices")
@@ -102,7 +102,7 @@ def as_sharp_edges(values: str | float | ArrayLike | None) -> str | float | Arra
 
 
 def as_box(values: ArrayLike | None) -> list[list[float]] | None:
-    """The argument ``within``."""
+    """Converts the argument ``within``."""
     if values is None:
         return None
     array = _numbers("within", values, "fiu", "numbers")
@@ -130,7 +130,7 @@ def _numbers(argument: str, values: ArrayLike, kinds: str, wanted: str) -> Array
 
 
 def _plain(array: Array) -> Array:
-    """The same numbers, in a type and in an order of bytes that compiled code has."""
+    """Returns the same numbers in a type, byte order and alignment that compiled code can read."""
     if array.dtype not in _PLAIN:
         native = array.dtype.newbyteorder("=")
         return array.astype(native if native in _PLAIN else np.float64)

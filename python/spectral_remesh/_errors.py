@@ -1,4 +1,4 @@
-"""What can go wrong. Every message names the place, the cause and the remedy."""
+"""The exceptions. Every message names the place, the cause and the remedy."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ if TYPE_CHECKING:
 
 
 class SpectralRemeshError(Exception):
-    """Any error of this package."""
+    """Base class of all errors of this package."""
 
 
 class ArgumentError(SpectralRemeshError, ValueError):
-    """An argument makes no sense: a wrong shape, NaN, an index that no vertex has, a number out of range.
+    """An argument is invalid: a wrong shape, NaN, an index without a vertex, a number out of range.
 
     Attributes:
         argument: The name of the argument.
-        cause: What is wrong, and what to do about it.
+        cause: What is wrong, and how to correct it.
     """
 
     def __init__(self, argument: str, cause: str) -> None:
@@ -30,22 +30,22 @@ class ArgumentError(SpectralRemeshError, ValueError):
 
 
 class FileError(SpectralRemeshError, OSError):
-    """A file cannot be opened, read, created, written or renamed, or its format cannot be told."""
+    """A file cannot be opened, read, created, written or renamed, or its format cannot be determined."""
 
 
 class FormatError(SpectralRemeshError):
-    """The content of a file is not what its format says."""
+    """The content of a file does not conform to its format."""
 
 
 class MeshError(SpectralRemeshError):
-    """Nothing can be made of a mesh or a cloud: it has no area, say, or no surface goes through its points."""
+    """A mesh or a cloud cannot be used: for instance, it has no area, or no surface passes through its points."""
 
 
 class NotVerifiedError(SpectralRemeshError):
     """With ``strict=True``: the result fails a check, such as that of its topology.
 
     Attributes:
-        remeshed: The result nevertheless.
+        remeshed: The result that failed.
     """
 
     def __init__(self, remeshed: Remeshed) -> None:

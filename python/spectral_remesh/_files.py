@@ -1,4 +1,4 @@
-"""Files, in every format of the command."""
+"""Reads and writes files in every format of the command."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ def read(path: str | os.PathLike[str], *, format: str | None = None) -> Mesh:
     """Reads a mesh or a cloud of points.
 
     Args:
-        path: The file. Files packed by gzip are unpacked.
-        format: The ending of a format, such as ``"ply"``, if neither the name nor the content should decide.
+        path: The file. Files compressed with gzip are decompressed.
+        format: The extension of a format, such as ``"ply"``. By default the name or the content decides.
 
     Returns:
-        The mesh with its attributes, texture coordinates, materials and names of parts, and notes of what was left out.
+        The mesh with its attributes, texture coordinates, materials and names of parts, and notes on what was left out.
 
     Raises:
-        FileError: If it cannot be read, or its format cannot be told.
-        FormatError: If the content is not what the format says; it names the line, the byte or the part.
-        ArgumentError: For a format that there is not.
+        FileError: If it cannot be read, or its format cannot be determined.
+        FormatError: If the content does not conform to the format. It names the line, the byte or the part.
+        ArgumentError: If ``format`` is unknown.
     """
     vertices, faces, others, notes = _native.read(path, format)
     mesh = Mesh(vertices, faces)
@@ -32,17 +32,17 @@ def read(path: str | os.PathLike[str], *, format: str | None = None) -> Mesh:
 
 
 def write(path: str | os.PathLike[str], mesh: Any, *, format: str | None = None) -> None:
-    """Writes a mesh, or points if it has no faces, with as much of its attributes as the format can hold.
+    """Writes a mesh, or points if it has no faces, with the attributes that the format can hold.
 
-    The file replaces an existing one only when it is complete.
+    An existing file is replaced only once the new one is complete.
 
     Args:
-        path: The file. ``.gz`` may follow the ending.
-        mesh: A mesh of this package, or any that :func:`remesh` takes.
-        format: The ending of a format, if the name should not decide.
+        path: The file. ``.gz`` may follow the extension.
+        mesh: A mesh of this package, or any that :func:`remesh` accepts.
+        format: The extension of a format. By default the name decides.
 
     Raises:
-        FileError: If it cannot be written, or the format has no triangles or no points.
-        ArgumentError: For what is no mesh, and for a format that there is not.
+        FileError: If it cannot be written, or the format cannot hold triangles or points.
+        ArgumentError: If ``mesh`` is not a mesh, or ``format`` is unknown.
     """
     _native.write(path, as_mesh(mesh)._to_native(), format)

@@ -1,4 +1,4 @@
-"""The folder that machines share, by a name that all of them know or in an object store."""
+"""The folder that machines share, at the same path on all of them or in an object store."""
 
 from __future__ import annotations
 
@@ -15,39 +15,39 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from distributed import Client, Worker
 
-#: What the names of files begin with that the program has not completed.
+#: Prefix of the names of files that the program has not completed.
 UNFINISHED = ".remesh-"
 
-#: What the names of files begin with that a step of a plan makes.
+#: Prefix of the names of the files that each step of a plan writes.
 OF_STEP = {"sample": "tile-", "mesh": "piece-"}
 
 
 class Folder:
-    """One that all machines have under the same name."""
+    """A folder at the same path on all machines."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = path
 
     @contextmanager
     def at_home(self) -> Iterator[str | os.PathLike[str]]:
-        """Where the plan is made and the result is merged."""
+        """Yields the folder in which the plan is made and the result merged."""
         yield self.path
 
     def planned(self, home: str | os.PathLike[str]) -> None:
-        """Gives all machines the plan that was made at home."""
+        """Makes the plan in ``home`` available to all machines."""
 
     @contextmanager
     def at_work(self, step: str, number: int) -> Iterator[str | os.PathLike[str]]:
-        """Where a worker does a step."""
+        """Yields the folder in which a worker does a step."""
         yield self.path
 
     def done(self, home: str | os.PathLike[str]) -> None:
-        """Brings home what all workers have made, and removes what those that died left."""
+        """Copies the output of all workers to ``home``, and removes the unfinished files of workers that died."""
         for unfinished in Path(self.path).glob(f"{UNFINISHED}*"):
             unfinished.unlink(missing_ok=True)
 
     def leave(self, client: Client) -> None:
-        """Removes what only the workers of a cluster need."""
+        """Removes the files that only the workers of a cluster need."""
 
 
 def _is_made(name: str) -> bool:
@@ -58,12 +58,12 @@ def _is_part(name: str) -> bool:
     return _is_made(name.removeprefix(".")) and not _is_made(name)
 
 
-#: The threads of a worker have one copy.
+#: Held while files are fetched, since the threads of a worker share one copy.
 _FETCHING = threading.Lock()
 
 
 class Store(Folder):
-    """One at an address of fsspec. Home and each worker have copies of what they need of it, in temporary folders."""
+    """A folder at an fsspec address. Home and each worker copy the files they need to temporary folders."""
 
     def __init__(self, address: str) -> None:
         super().__init__(address)
@@ -89,7 +89,7 @@ class Store(Folder):
         copy = self._copy_of(get_worker())
         with _FETCHING:
             copy.mkdir(exist_ok=True)
-            # Samples depend on the plan only.
+            # Samples depend only on the plan.
             self._fetch(copy, (name for name in self._names() if step != "sample" or not _is_made(name)))
         yield copy
         self._put(copy, f"{OF_STEP[step]}{number}")
@@ -110,7 +110,7 @@ class Store(Folder):
         return Path(worker.local_directory) / self.copy
 
     def _open(self) -> tuple[Any, str]:
-        """The file system of fsspec, and the place in it."""
+        """Returns the fsspec file system, and the path in it."""
         from fsspec.core import url_to_fs
 
         system, root = url_to_fs(str(self.path))
@@ -118,7 +118,7 @@ class Store(Folder):
         return system, root
 
     def _names(self) -> list[str]:
-        """The names of the complete files."""
+        """Returns the names of the complete files."""
         return [name for name in self._all_names() if name and not name.startswith(".")]
 
     def _all_names(self) -> Iterable[str]:
@@ -127,7 +127,7 @@ class Store(Folder):
         return (path.rstrip("/").rsplit("/", 1)[-1] for path in paths)
 
     def _fetch(self, copy: Path, names: Iterable[str]) -> None:
-        """Copies the files of these names that are not there."""
+        """Fetches the files with these names that ``copy`` lacks."""
         system, root = self._open()
         for name in names:
             if not (copy / name).exists():
@@ -135,7 +135,7 @@ class Store(Folder):
                 (copy / f".{name}").replace(copy / name)
 
     def _put(self, copy: Path, name: str) -> None:
-        """Adds a file, which others see when it is complete."""
+        """Uploads a file. Others see it only once it is complete."""
         system, root = self._open()
         part = f"{root}/.{name}-{uuid.uuid4().hex}"
         system.put_file(str(copy / name), part)
@@ -143,5 +143,5 @@ class Store(Folder):
 
 
 def shared(folder: str | os.PathLike[str]) -> Folder:
-    """The folder of this name or address."""
+    """Returns the folder at this path or address."""
     return Store(folder) if isinstance(folder, str) and "://" in folder else Folder(folder)

@@ -1,6 +1,6 @@
-"""Meshes of other packages.
+"""Converts meshes of other packages, and back.
 
-These are imported only if one of their meshes is wanted; a mesh that is given is known by the package of its class.
+A package is imported only to make one of its meshes. Meshes passed in are recognised by the package of their class.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def as_mesh(vertices: Any, faces: ArrayLike | None = None, attributes: Mapping[str, ArrayLike] | bool = True) -> Mesh:
-    """A mesh of any kind, or arrays, or a pair of them, as a mesh of this package, with these attributes added."""
+    """Converts a mesh of any package, arrays, or a pair of arrays to a mesh of this package, and adds attributes."""
     if isinstance(vertices, tuple) and len(vertices) == 2 and faces is None:
         vertices, faces = vertices
     reader = _reader(vertices)
@@ -39,14 +39,14 @@ def as_mesh(vertices: Any, faces: ArrayLike | None = None, attributes: Mapping[s
 
 
 def _with_attributes(mesh: Mesh, attributes: dict[str, Array]) -> Mesh:
-    """The same mesh with other attributes; the one that was given stays as it is."""
+    """Returns the mesh with other attributes, and leaves the original unchanged."""
     other = Mesh(mesh.vertices, mesh.faces, attributes=attributes, texture=mesh.texture)
     other.notes, other._others = mesh.notes, mesh._others
     return other
 
 
 def _reader(value: Any) -> Callable[[Any], Mesh] | None:
-    """The reader of meshes of this class, unless it is one of arrays."""
+    """Returns the reader for meshes of the class of ``value``, or ``None`` for arrays."""
     if isinstance(value, (str, bytes)) or hasattr(value, "__fspath__"):
         raise ArgumentError("vertices", f"an array or a mesh is wanted, not a name; give read({str(value)!r})")
     readers: dict[str, Callable[[Any], Mesh]] = {
@@ -56,7 +56,7 @@ def _reader(value: Any) -> Callable[[Any], Mesh] | None:
         "meshio": _of_meshio,
         "open3d": _of_open3d,
     }
-    # numpy's own subclasses, such as the arrays of these packages, are arrays.
+    # Subclasses of numpy arrays, such as those of these packages, are arrays.
     if isinstance(value, np.ndarray):
         return None
     packages = [kind.__module__.partition(".")[0] for kind in type(value).__mro__]
@@ -97,7 +97,7 @@ def _of_pyvista(mesh: Any) -> Mesh:
 
 
 def _of_vtk(points: ArrayLike, cells: Array) -> Array | None:
-    """The triangles of a list of polygons, in which the number of corners stands before each polygon."""
+    """Returns the triangles of a list of polygons, each preceded by its number of corners."""
     if cells.size == 0:
         return None
     if cells.size % 4 == 0 and (cells[::4] == 3).all():
@@ -143,7 +143,7 @@ def _filled(arrays: dict[str, Any]) -> dict[str, Array]:
 
 
 def _colors(colors: ArrayLike | None) -> dict[str, Array]:
-    """Colours of an object that has either none or one for each vertex."""
+    """Returns the colours of an object that has one for each vertex or none at all."""
     return {} if colors is None or np.size(colors) == 0 else {"color": np.asarray(colors)}
 
 

@@ -1,4 +1,4 @@
-"""What a notebook shows of a mesh: a picture, and a table of its report."""
+"""The display of a mesh in a notebook: a picture, and a table of its report."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._mesh import Mesh, Remeshed
 
 _PICTURE_SIZE = 360
 
-# A name, and the figure of it in what a report says of a mesh.
+# Rows of the table: a name, and a function that formats its value from a mesh's part of the report.
 _ROWS: list[tuple[str, Callable[[dict[str, Any]], str]]] = [
     ("vertices", lambda mesh: f"{mesh['topology']['vertices']:,}"),
     ("faces", lambda mesh: f"{mesh['topology']['faces']:,}"),
@@ -25,7 +25,7 @@ _ROWS: list[tuple[str, Callable[[dict[str, Any]], str]]] = [
 
 
 def of_mesh(mesh: Mesh) -> str:
-    """A picture, unless there are points only, and a table."""
+    """Returns a picture, unless there are only points, and a table."""
     return f'<div style="display:flex;gap:1em;align-items:center">{_picture(mesh)}{_table(mesh)}</div>'
 
 
@@ -50,7 +50,7 @@ def _counts(mesh: Mesh) -> list[tuple[str, str]]:
 
 
 def _figures(report: dict[str, Any]) -> list[str]:
-    """The input beside the output."""
+    """Returns rows with the input beside the output."""
     columns = [mesh for mesh in (report["input"], report["output"]) if mesh is not None and mesh["shape"]]
     lines = [_line(["", *["input", "result"][-len(columns) :]])]
     lines += [_line([name, *(figure(mesh) for mesh in columns)]) for name, figure in _ROWS]
@@ -60,7 +60,7 @@ def _figures(report: dict[str, Any]) -> list[str]:
 
 
 def _line(cells: list[str]) -> str:
-    """A name at the left, and its figures at the right, or its text at the left across all columns."""
+    """Returns a row: a name, and its figures, right-aligned, or a single text across all columns, left-aligned."""
     name, *figures = cells
     if len(figures) == 1:
         return f'<tr>{_name(name)}<td colspan="2" style="text-align:left">{escape(figures[0])}</td></tr>'

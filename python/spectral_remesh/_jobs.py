@@ -1,4 +1,4 @@
-"""The jobs: each is one call of the compiled library."""
+"""The jobs. Each is one call into the compiled library."""
 
 from __future__ import annotations
 
@@ -47,60 +47,60 @@ def remesh(
     report: bool = True,
     strict: bool = False,
 ) -> Remeshed:
-    """Remeshes a mesh or a cloud of points: as many vertices as wanted, evenly spread or graded, and triangles close to
-    equilateral, of the same shape and topology.
+    """Remeshes a mesh or a cloud of points with the requested number of vertices, evenly spread or graded, into triangles
+    close to equilateral, with the same shape and topology.
 
-    The result is the same with any number of threads, and the same as that of the command. The lock of the interpreter is
-    free meanwhile; Ctrl-C ends it.
+    The result does not depend on the number of threads, and equals that of the command. The global interpreter lock is
+    released meanwhile. Ctrl-C ends the job.
 
     Args:
         vertices: Positions, of shape (n, 3), of any float or integer type; or a mesh or cloud of trimesh, PyVista, meshio,
-            Open3D or this package, with its colours, normals and other attributes of vertices; or a tuple of both arrays.
-        faces: Numbers of the corners from 0, of shape (m, 3), counter-clockwise seen from outside; or polygons, of shape
-            (m, k). Without faces, the vertices are a cloud, through which a surface is laid.
+            Open3D or this package, with its colours, normals and other vertex attributes; or a tuple of both arrays.
+        faces: Vertex indices from 0, of shape (m, 3), counter-clockwise seen from outside; or polygons, of shape (m, k).
+            Without faces, the vertices are a cloud, and the surface through them is remeshed.
         points: Number of vertices of the result; ``"auto"`` takes as many as ``max_error`` needs. With ``within`` or
-            ``select`` those strictly inside of the part.
+            ``select``, the number of those strictly inside the part.
         edge_length: Mean edge length of the result, in the units of the input.
         sigma_p: Kernel width σp of the sampler, in the units of the input.
-        sizing: Edge length wanted at each vertex of the input, of shape (n,), in its units, or the name of an attribute.
-            Also says how dense, if nothing else does.
-        features: Which edges stay sharp: those across which the input turns by at least so many degrees, or ``"none"``; or the
-            two vertices of each edge, of shape (edges, 2). By default the input decides.
-        adapt: How much edge lengths follow the shape, from 0, even, to 1, short where it bends or is thin.
-        sigma_n: Kernel width σn along unit normals: with 0.5 to 1 vertices gather where the surface bends.
-        sigma: Kernel widths along attributes of the input, by their names: vertices gather where these change.
-        max_error: How far any point of the result may be from the input, and back: a length in the units of the input, or a
-            share of the diagonal of its bounding box, such as ``"0.1%"``.
-        weld: Boundary vertices within this distance, in the units of the input, become one; 0 welds only those at exactly one
-            place. By default seams that rounding opened are closed.
-        smooth: Smooth noise away first: points reach as far as so many mean distances of neighbouring ones, 2.7 with ``True``;
-            ``False``, or 0, smooths nothing. By default only clouds with noise are smoothed, as with ``True``.
-        fill_holes: Close holes of a cloud whose bounding box has no longer a diagonal, in the units of the input.
-        terrain: Whether a cloud is of terrain: what is seen from above becomes a sheet with one height at each place; z is up.
-            By default, if it looks like that and many points would be left out otherwise.
-        normal_fit: What normals of a cloud are fitted to. By default planes, or spheres with ``smooth``.
-        normal_neighbors: How many neighbours they are fitted to. By default 8, or 16 with ``smooth``.
-        normal_radius: How far away these neighbours may be instead, in the units of the input.
-        within: Remesh only what is in a box, of shape (2, 3): its lowest and its highest x, y and z. The rest stays as it is.
-        select: Remesh only triangles all of whose corners are selected: truth values of shape (n,), or the name of an attribute
-            that is not zero there, or ``"NAME=VALUE"``. The rest stays as it is.
-        attributes: More arrays of shape (n,) or (n, components), by their names; ``False``: the result gets no attributes.
-            Floats are interpolated; of integers that are no colours the nearest is taken.
-        optimize: Whether triangles are optimised; without, vertices stay where the gradient ascent of the paper leaves them.
+        sizing: Target edge length at each vertex of the input, of shape (n,), in its units, or the name of an attribute.
+            It also sets the density if no other argument does.
+        features: Edges to keep sharp: those with at least this dihedral angle, in degrees, or ``"none"``; or the two vertices
+            of each edge, of shape (edges, 2). By default the input decides.
+        adapt: How much edge lengths follow the shape: from 0, even, to 1, short where the surface bends or is thin.
+        sigma_n: Kernel width σn along unit normals. With 0.5 to 1, vertices gather where the surface bends.
+        sigma: Kernel widths along attributes of the input, by name. Vertices gather where the attributes change.
+        max_error: Maximum distance between the result and the input, measured both ways: a length in the units of the input,
+            or a share of the diagonal of its bounding box, such as ``"0.1%"``.
+        weld: Boundary vertices within this distance, in the units of the input, are welded; 0 welds only those at the same
+            position. By default, seams opened by rounding are closed.
+        smooth: Support radius for smoothing noise away first, in mean spacings of the points; ``True`` is 2.7, ``False`` or 0
+            smooths nothing. By default only clouds with noise are smoothed, as with ``True``.
+        fill_holes: Close holes of a cloud whose bounding box has at most this diagonal, in the units of the input.
+        terrain: Whether a cloud is terrain: the points seen from above become a sheet with one height at each place; z is up.
+            By default a cloud is terrain if it looks like it and many points would be left out otherwise.
+        normal_fit: Shape to which the normals of a cloud are fitted. By default planes, or spheres with ``smooth``.
+        normal_neighbors: Number of neighbours in a fit. By default 8, or 16 with ``smooth``.
+        normal_radius: Distance within which neighbours are taken instead, in the units of the input.
+        within: Remesh only the part in a box, of shape (2, 3): its lowest and its highest x, y and z. The rest is unchanged.
+        select: Remesh only triangles with all vertices selected: by truth values of shape (n,), by the name of an attribute
+            that is not zero there, or by ``"NAME=VALUE"``. The rest is unchanged.
+        attributes: Additional arrays of shape (n,) or (n, components), by name. With ``False`` the result has no attributes.
+            Floats and colours are interpolated; other integers are those of the nearest vertex.
+        optimize: Whether to optimise triangles. Otherwise vertices stay where the paper's gradient ascent leaves them.
         seed: Seed of the random numbers.
-        threads: How many threads to use, by default one a core.
-        progress: ``True`` shows a bar (of tqdm where that is installed); a function is called with the name of the stage
-            and the share that is done, from 0 to 1. What it raises ends the job.
-        report: Whether to measure the result: without, it takes less time.
+        threads: Number of threads, by default one per core.
+        progress: ``True`` shows a bar (with tqdm if that is installed). A function is called with the name of the stage and
+            the completed share, from 0 to 1; an exception that it raises ends the job.
+        report: Whether to measure the result. Without a report the job takes less time.
         strict: Whether to raise an error if the result is not verified.
 
     Returns:
-        The mesh, its attributes, where each vertex came from, and the report.
+        The mesh, its attributes, the origin of each vertex, and the report.
 
     Raises:
-        ArgumentError: A ``ValueError`` for an argument that makes no sense.
-        MeshError: For an input that no surface can be made of.
-        NotVerifiedError: With ``strict``, for a result that fails a check; it has the result all the same.
+        ArgumentError: A ``ValueError`` for an invalid argument.
+        MeshError: For an input that has no surface.
+        NotVerifiedError: With ``strict``, for a result that fails a check. The error has the result.
     """
     mesh = as_mesh(vertices, faces, attributes)
     arguments: dict[str, Any] = {
@@ -133,23 +133,23 @@ def remesh(
 
 
 def levels(vertices: Any, faces: ArrayLike | None = None, *, points: Sequence[int], **options: Any) -> list[Remeshed]:
-    """Levels of detail: remeshes the same input for each of several numbers of vertices.
+    """Makes levels of detail: remeshes the same input with each of several numbers of vertices.
 
-    The input is repaired once, and points become a mesh once. Each level is what :func:`remesh` gives for that number, and its
-    origins are on the input.
+    The input is repaired once, and a cloud is meshed once. Each level equals the result of :func:`remesh` for that number, and
+    its origins are on the input.
 
     Args:
         vertices: As for :func:`remesh`.
         faces: As for :func:`remesh`.
         points: Numbers of vertices, from fine to coarse.
-        options: The other arguments of :func:`remesh`, but for those that say how dense the result should be.
+        options: The other arguments of :func:`remesh`, except ``edge_length`` and ``sigma_p``.
 
     Returns:
-        A mesh for each number, in this order.
+        A mesh for each number, in the same order.
 
     Raises:
-        ArgumentError: A ``ValueError`` for an argument that makes no sense.
-        MeshError: For an input that no surface can be made of.
+        ArgumentError: A ``ValueError`` for an invalid argument.
+        MeshError: For an input that has no surface.
         NotVerifiedError: With ``strict``, for the first level that fails a check.
     """
     known = {name: one.default for name, one in signature(remesh).parameters.items() if one.kind is one.KEYWORD_ONLY}
@@ -166,7 +166,7 @@ def levels(vertices: Any, faces: ArrayLike | None = None, *, points: Sequence[in
 
 
 def _converted(arguments: dict[str, Any]) -> dict[str, object]:
-    """The arguments of a remeshing as the compiled half takes them."""
+    """Converts the arguments of a remeshing for the compiled half."""
     return {
         **arguments,
         "sizing": as_lengths(arguments["sizing"]),
@@ -205,7 +205,7 @@ def sample(
     threads: int | None = None,
     progress: Wanted = None,
 ) -> Sampled:
-    """Samples a surface: points with normals, evenly spread as blue noise, without triangles.
+    """Samples a surface: points with normals, spread evenly as blue noise, without triangles.
 
     Args:
         vertices: As for :func:`remesh`.
@@ -213,17 +213,17 @@ def sample(
         points: Number of samples.
         edge_length: Mean distance between neighbouring samples, in the units of the input.
         sigma_p: Kernel width σp of the sampler, in the units of the input.
-        sigma_n: Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends.
-        sigma: Kernel widths along attributes of the input, by their names: samples gather where these change.
-        smooth: How far the points of a cloud reach, in mean distances of neighbouring ones; 0 takes 2.3, as little as
-            leaves no holes. By default 2.7 where there is noise, else as 0.
+        sigma_n: Kernel width σn along unit normals. With 0.5 to 1, samples gather where the surface bends.
+        sigma: Kernel widths along attributes of the input, by name. Samples gather where the attributes change.
+        smooth: Support radius of the points of a cloud, in mean spacings; 0 takes 2.3, the least that leaves no holes. By
+            default 2.7 if there is noise, otherwise as with 0.
         normal_fit: As for :func:`remesh`.
         normal_neighbors: As for :func:`remesh`.
         normal_radius: As for :func:`remesh`, in the units of the input.
-        attributes: More arrays of shape (n,) or (n, components), by their names, which samples have, too; for ``sigma``.
+        attributes: Additional arrays of shape (n,) or (n, components), by name, for ``sigma``. The samples have them, too.
         scan_only: Take a subset of the input's vertices instead.
-        levels: Give the samples in progressive order, in which any first part of them is evenly spread, too: so many levels,
-            each with a quarter of the samples of the next one. ``report["levels"]`` says where each ends.
+        levels: Number of levels, each with a quarter of the samples of the next one. The samples are in progressive order: any
+            first part of them is evenly spread, too. ``report["levels"]`` has the end of each level.
         seed: Seed of the random numbers.
         sweeps: Sweeps of gradient ascent.
         threads: As for :func:`remesh`.
@@ -233,7 +233,7 @@ def sample(
         The points, their normals and attributes, and with ``scan_only`` their indices.
 
     Raises:
-        ArgumentError: A ``ValueError`` for an argument that makes no sense.
+        ArgumentError: A ``ValueError`` for an invalid argument.
         MeshError: For an input that has no surface.
     """
     mesh = as_mesh(vertices, faces, attributes)
@@ -270,24 +270,24 @@ def reconstruct(
     threads: int | None = None,
     progress: Wanted = None,
 ) -> Reconstructed:
-    """Extracts all of the smooth implicit surface of a cloud, or of the vertices of a mesh, as dense triangles.
+    """Extracts the whole smooth implicit surface of a cloud, or of the vertices of a mesh, as dense triangles.
 
     Args:
         vertices: As for :func:`remesh`.
         faces: As for :func:`remesh`.
         resolution: Edge length of the cells, in the units of the input, by default half the mean spacing of the points.
-        smooth: How far points reach, in mean distances of neighbouring ones: the larger, the smoother; 0 takes 2.3,
-            as little as leaves no holes. By default 2.7 where there is noise, else as 0.
+        smooth: Support radius of the points, in mean spacings: the larger, the smoother; 0 takes 2.3, the least that leaves no
+            holes. By default 2.7 if there is noise, otherwise as with 0.
         normal_fit: As for :func:`remesh`.
         normal_neighbors: As for :func:`remesh`.
         normal_radius: As for :func:`remesh`, in the units of the input.
-        attributes: More arrays: ``{"normal": array}`` gives the normals of points, of shape (n, 3).
+        attributes: Additional arrays: ``{"normal": array}`` provides the normals of points, of shape (n, 3).
         threads: As for :func:`remesh`.
         progress: As for :func:`remesh`.
 
     Raises:
-        ArgumentError: A ``ValueError`` for an argument that makes no sense.
-        MeshError: For points that no surface goes through.
+        ArgumentError: A ``ValueError`` for an invalid argument.
+        MeshError: For points that no surface passes through.
     """
     mesh = as_mesh(vertices, faces, attributes)
     arguments: dict[str, object] = {
@@ -308,12 +308,12 @@ def quality(vertices: Any, faces: ArrayLike | None = None, *, against: Any = Non
     Args:
         vertices: As for :func:`remesh`.
         faces: As for :func:`remesh`.
-        against: Another mesh of any kind, or a tuple of vertices and faces, to which the distance is measured, in percent of the
+        against: Another mesh of any kind, or a tuple of vertices and faces. The distance to it is measured, in percent of the
             diagonal of its bounding box.
         threads: As for :func:`remesh`.
 
     Raises:
-        ArgumentError: A ``ValueError`` for an argument that makes no sense.
+        ArgumentError: A ``ValueError`` for an invalid argument.
         MeshError: For points without triangles.
     """
     mesh = as_mesh(vertices, faces)

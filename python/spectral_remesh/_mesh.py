@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Report(dict[str, Any]):
-    """What a job did and how good its result is: the members of the JSON report of the command, as a dictionary.
+    """The report on a job and the quality of its result: the members of the command's JSON report, as a dictionary.
 
     Angles are in degrees, lengths in the units of the input, distances in percent of the diagonal of its bounding box.
     ``print`` shows it as a table.
@@ -37,30 +37,30 @@ class Report(dict[str, Any]):
 
 
 class Origin(NamedTuple):
-    """Where on the input each vertex of a result lies.
+    """The position on the input of each vertex of a result.
 
-    The value there of what is known at the vertices of the input is
+    Values at the vertices of the input are interpolated there by
     ``(origin.weights[:, :, None] * values[origin.vertices]).sum(axis=1)``.
     """
 
     #: The face of the input, of shape (n,); -1 for points without faces.
     faces: Array
-    #: The three vertices of the input that it lies between, of shape (n, 3).
+    #: The three input vertices around it, of shape (n, 3).
     vertices: Array
-    #: Their barycentric coordinates, of shape (n, 3), none negative, each row of sum 1.
+    #: Their barycentric coordinates, of shape (n, 3), none negative. Each row sums to 1.
     weights: Array
 
 
 class Mesh:
-    """A triangle mesh, or a cloud of points if it has no faces. It iterates as vertices and faces.
+    """A triangle mesh, or a cloud of points if it has no faces. Iterating over it yields vertices and faces.
 
     Args:
         vertices: Positions, of shape (n, 3), of any float or integer type.
-        faces: Numbers of the corners from 0, of shape (m, 3), counter-clockwise seen from outside. Polygons, of shape
-            (m, k), are split into triangles.
-        attributes: Arrays of shape (n,) or (n, components) by their names. ``normal`` of three components and ``color`` of
-            three or four, as bytes or from 0 to 1, are what they are called.
-        texture: Texture coordinates of the corners of faces, of shape (m, 3, 2), the origin at the lower left.
+        faces: Vertex indices from 0, of shape (m, 3), counter-clockwise seen from outside. Polygons, of shape (m, k), are split
+            into triangles.
+        attributes: Arrays of shape (n,) or (n, components), by name. ``normal`` with three components is a normal, ``color``
+            with three or four, as bytes or from 0 to 1, a colour.
+        texture: Texture coordinates of the corners of faces, of shape (m, 3, 2), with the origin at the lower left.
 
     Raises:
         ArgumentError: For a wrong shape or type.
@@ -70,7 +70,7 @@ class Mesh:
     faces: Array
     attributes: dict[str, Array]
     texture: Array | None
-    #: What a user should know, a sentence each.
+    #: Notes for the user, a sentence each.
     notes: list[str]
 
     def __init__(
@@ -87,7 +87,7 @@ class Mesh:
         self.attributes = {name: np.asarray(values) for name, values in (attributes or {}).items()}
         self.texture = None if texture is None else np.asarray(texture)
         self.notes = []
-        # Materials and names of parts, which are not arrays, and all digits of attributes.
+        # Materials and names of parts, which are not arrays, and attributes with all their digits.
         self._others: _native.Attributes | None = None
 
     def __iter__(self) -> Iterator[Array]:
@@ -100,14 +100,14 @@ class Mesh:
         return {**self.__dict__, "_others": None}
 
     def _with(self, others: _native.Attributes, notes: list[str]) -> None:
-        """Adds what the compiled half says of this mesh beside its shape."""
+        """Adds the attributes and notes that the compiled half returns for this mesh."""
         self.attributes = others.arrays()
         self.texture = others.texture()
         self.notes = notes
         self._others = others
 
     def _to_native(self) -> _native.Mesh:
-        """A copy for the compiled half."""
+        """Returns a copy for the compiled half."""
         vertices = as_vertices(self.vertices)
         arrays = as_attributes(self.attributes, len(vertices))
         texture = None if self.texture is None else np.asarray(self.texture, dtype=np.float64)
@@ -119,33 +119,33 @@ class Mesh:
         return of_mesh(self)
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """The same as a ``trimesh.Trimesh``, with colours, normals and ``vertex_attributes``; vertices stay in their order.
+        """Converts to a ``trimesh.Trimesh`` with colours, normals and ``vertex_attributes``. Vertices keep their order.
 
-        Points without faces are a ``trimesh.PointCloud``.
+        Points without faces become a ``trimesh.PointCloud``.
         """
         from ._foreign import to_trimesh
 
         return to_trimesh(self)
 
     def to_pyvista(self) -> pyvista.PolyData:
-        """The same as a ``pyvista.PolyData``, with the attributes as ``point_data``."""
+        """Converts to a ``pyvista.PolyData`` with the attributes as ``point_data``."""
         from ._foreign import to_pyvista
 
         return to_pyvista(self)
 
 
 class Remeshed(Mesh):
-    """A remeshed surface, with all that is known of it."""
+    """A remeshed surface, with its origin on the input and its report."""
 
-    #: Where on the input each vertex lies.
+    #: The position of each vertex on the input.
     origin: Origin
-    #: For each face that of the input below its centre, of shape (m,); empty for points without faces.
+    #: For each face, the face of the input below its centre, of shape (m,); empty for points without faces.
     face_origin: Array
     #: The two vertices of each edge that lies on a sharp edge of the input, of shape (k, 2).
     sharp_edges: Array
-    #: What was done, and how good the result is; ``None`` with ``report=False``.
+    #: The report on the job and the quality of the result; ``None`` with ``report=False``.
     report: Report | None
-    #: Why the result is not verified, a phrase each.
+    #: The reasons why the result is not verified, a phrase each.
     shortcomings: list[str]
 
     def __init__(self, made: _native.Remeshed, notes: list[str]) -> None:
@@ -161,9 +161,9 @@ class Remeshed(Mesh):
 
     @property
     def verified(self) -> bool:
-        """Whether the result is an oriented manifold of the topology of the repaired input, without self-intersections
-        where that has none, without slivers that it does not force, without triangles where it has no surface, and as
-        near to it as was asked for."""
+        """Whether the result passes all checks against the repaired input: it is an oriented manifold with the same
+        topology, has no self-intersections where the input has none, no slivers that the input does not force and no
+        triangles where it has no surface, and is as close to it as requested."""
         return not self.shortcomings
 
 
@@ -180,12 +180,12 @@ class Sampled(Mesh):
 
     @property
     def normals(self) -> Array | None:
-        """Unit normals, of shape (n, 3), if the input has some."""
+        """Unit normals, of shape (n, 3), if the input has normals."""
         return self.attributes.get("normal")
 
     @property
     def indices(self) -> Array | None:
-        """With ``scan_only=True`` the number of each sample among the vertices of the input, of shape (n,)."""
+        """With ``scan_only=True``, the index of each sample among the vertices of the input, of shape (n,)."""
         return self.attributes.get("index")
 
 

@@ -1,4 +1,4 @@
-"""The progress of a job, told to a function or shown as a bar."""
+"""Reports the progress of a job to a function, or as a bar."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator
 
 from ._errors import ArgumentError
 
-#: A function that is called with the name of the stage and the share of the job that is done, from 0 to 1, never falling.
+#: A function that is called with the name of the stage and the completed share of the job, from 0 to 1, never decreasing.
 Progress = Callable[[str, float], object]
 
-#: What the argument ``progress`` may be.
+#: The type of the argument ``progress``.
 Wanted = bool | Progress | None
 
 _WIDTH = 40
@@ -19,7 +19,7 @@ _WIDTH = 40
 
 @contextlib.contextmanager
 def told(progress: Wanted) -> Iterator[Progress | None]:
-    """The function to call meanwhile, if one is wanted; a bar is wiped at the end."""
+    """Yields the function to call during the job, if progress is wanted. A bar is cleared at the end."""
     if progress is None or progress is False:
         yield None
     elif progress is True:

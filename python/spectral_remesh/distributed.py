@@ -1,8 +1,8 @@
-"""Clouds of any size, sampled and meshed on many machines by Dask.
+"""Samples and meshes clouds of any size on many machines, with Dask.
 
-Machines share a folder; its files are the interface, as for the command ``remesh tiles``. It may be in an object store. A tile
-that fails, or whose worker dies, is sampled again by another one, and so are pieces of the mesh. The result has the same bytes
-for any number of tiles and workers.
+The machines share a folder, which may be in an object store. As with the command ``remesh tiles``, its files are the
+interface. If a tile of samples or a piece of the mesh fails, or its worker dies, another worker makes it again. The result has
+the same bytes for any number of tiles and workers.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["mesh", "sample"]
 
-#: The command of this package, wherever it runs.
+#: The command of this package in the current Python environment.
 COMMAND = (sys.executable, "-m", "spectral_remesh")
 
 
@@ -40,14 +40,14 @@ def sample(
 ) -> None:
     """Samples the cloud in the file ``source`` into the file ``target``.
 
-    ``folder`` is one that all workers have under this name, or an address that fsspec knows on all of them, such as
-    ``s3://bucket/work``: then each has a copy of what it needs in its own temporary directory. What is in it stays. ``client`` is
-    that of a Dask cluster, a local one of as many processes as there are cores without. There are at least ``tiles`` tiles, if
-    there can be as many. A tile that fails is tried ``retries`` times more. ``progress`` is called with the share that is done.
-    ``command`` is how workers call the program. ``options`` are those of ``remesh tiles plan``: ``points=300000``, ``smooth=2``,
-    ``scan_only=True``, ``memory="2G"``.
+    ``folder`` is a path that is the same on all workers, or an address that fsspec knows on all of them, such as
+    ``s3://bucket/work``. With an address, each worker copies the files it needs to its own temporary directory. The files in
+    the folder are kept. ``client`` is the client of a Dask cluster, by default a local one with a process per core. There are
+    at least ``tiles`` tiles, if the cloud allows as many. A failed tile is retried ``retries`` times. ``progress`` is called
+    with the completed share. ``command`` is the command with which workers call the program. ``options`` are those of
+    ``remesh tiles plan``: ``points=300000``, ``smooth=2``, ``scan_only=True``, ``memory="2G"``.
 
-    Raises ``RuntimeError`` with what the program said if a step of it fails, and ``ImportError`` without
+    Raises ``RuntimeError`` with the error message of the program if one of its steps fails, and ``ImportError`` without
     ``dask[distributed]``.
     """
     place = shared(folder)
@@ -71,16 +71,15 @@ def mesh(
     command: Sequence[str] = COMMAND,
     **options: Any,
 ) -> None:
-    """Makes a mesh of the cloud in the file ``source``, and writes it as ``target``.
+    """Meshes the cloud in the file ``source`` into the file ``target``.
 
-    The arguments and errors are those of :func:`sample`. ``RuntimeError`` is also raised for a mesh that is written, but not
-    sound.
+    The arguments and errors are those of :func:`sample`. ``RuntimeError`` is also raised if the written mesh is not sound.
     """
     place = shared(folder)
     with place.at_home() as home:
         said = _plan(command, source, home, tiles, options)
         place.planned(home)
-        # The last words are the first and the last number of each round.
+        # The words after "mesh" are the first and the last piece of each round.
         ends = [map(int, word.split("-")) for word in said[said.index("mesh") + 1 :]]
         rounds = [("sample", range(int(said[0])))] + [("mesh", range(first, last + 1)) for first, last in ends]
         _run_rounds(rounds, place, client, retries, progress, command)
@@ -95,7 +94,7 @@ def _plan(
     tiles: int,
     options: dict[str, Any],
 ) -> list[str]:
-    """Makes a plan; the words that the program prints of it."""
+    """Makes a plan, and returns the words that the program prints about it."""
     words = [word for name, value in options.items() for word in _flag(name, value)]
     return _run(command, "plan", source, folder, "--tiles", tiles, *words).split()
 
@@ -108,7 +107,7 @@ def _run_rounds(
     progress: Callable[[float], object] | None,
     command: Sequence[str],
 ) -> None:
-    """Does a step for each number, one round after the other, on one thread each: there is a worker for each core."""
+    """Runs the step of each number, one round after the other. Each uses one thread, since there is a worker per core."""
     from distributed import Client, as_completed
 
     own = Client(threads_per_worker=1) if client is None else None
@@ -142,7 +141,7 @@ def _flag(name: str, value: object) -> list[str]:
 
 
 def _run(command: Sequence[str], step: str, *words: object) -> str:
-    """What the program prints in a step. If it fails, the last line says what is wrong."""
+    """Runs a step of the program and returns its output. If it fails, the error has what it printed on standard error."""
     paths = (str(Path(word)) if isinstance(word, os.PathLike) else str(word) for word in words)
     ran = subprocess.run([*command, "tiles", step, *paths], capture_output=True, text=True, check=False)
     if ran.returncode != 0:

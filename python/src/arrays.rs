@@ -1,4 +1,4 @@
-//! Converts numpy's arrays to what the library works on, and back; either way every number is copied once at most.
+//! Converts numpy arrays to the types of the library, and back. Each number is copied at most once either way.
 
 use crate::errors::argument;
 use glam::{DVec2, DVec3};
@@ -6,7 +6,7 @@ use numpy::ndarray::ArrayView2;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-/// Calls `$convert` with the view of `$array`, if it is a matrix of one of these types.
+/// Calls `$convert` with a view of `$array` if that is a matrix of one of the given types.
 macro_rules! matrix {
     ($array:expr, [$($type:ty),*], $convert:ident) => {
         $(if let Ok(array) = $array.cast::<PyArray2<$type>>() {
@@ -17,30 +17,30 @@ macro_rules! matrix {
     };
 }
 
-/// x, y and z of each row.
+/// Converts rows of x, y and z to positions.
 ///
 /// # Errors
-/// A type that numpy should have converted.
+/// `TypeError` for an element type that the Python half should have converted.
 pub fn positions(array: &Bound<PyAny>) -> PyResult<Vec<DVec3>> {
     matrix!(array, [f64, f32, i64, i32, i16, i8, u64, u32, u16, u8], vectors)
 }
 
-/// The corners of each row.
+/// Converts rows of three vertex indices to triangles.
 ///
 /// # Errors
-/// `ArgumentError` for a number that is negative or too large to be a corner's.
+/// `ArgumentError` for an index that is negative or does not fit in a `u32`.
 pub fn triangles(array: &Bound<PyAny>) -> PyResult<Vec<[u32; 3]>> {
     matrix!(array, [i64, i32, u32, u64, i16, u16, i8, u8], corners)
 }
 
-/// Texture coordinates, of shape (triangles, 3, 2).
+/// Converts texture coordinates of shape (triangles, 3, 2).
 pub fn texture(array: &PyReadonlyArray3<f64>) -> Vec<[DVec2; 3]> {
     let array = array.as_array();
     let at = |t: usize, k: usize| DVec2::new(array[[t, k, 0]], array[[t, k, 1]]);
     (0..array.shape()[0]).map(|t| [0, 1, 2].map(|k| at(t, k))).collect()
 }
 
-/// Numbers that f64 holds, or nearly.
+/// Number types that convert to f64, some integers of eight bytes with rounding.
 pub trait Number: Element + Copy {
     fn to_f64(self) -> f64;
 }
@@ -71,19 +71,19 @@ fn argument_of_no_type(array: &Bound<PyAny>) -> PyErr {
     pyo3::exceptions::PyTypeError::new_err(format!("{type_name} is no matrix of numbers"))
 }
 
-/// A matrix of so many columns, with the numbers of its rows one after another; they are not copied.
+/// Returns a matrix with the given number of columns from its numbers in row-major order, without copying them.
 pub fn matrix_of<T: Element>(py: Python, numbers: Vec<T>, columns: usize) -> PyResult<Py<PyAny>> {
     let rows = numbers.len() / columns.max(1);
     let array = PyArray1::from_vec(py, numbers).reshape([rows, columns])?;
     Ok(array.into_any().unbind())
 }
 
-/// x, y and z of each point as a row.
+/// Returns a matrix with a row of x, y and z for each point.
 pub fn of_positions(py: Python, positions: &[DVec3]) -> PyResult<Py<PyAny>> {
     matrix_of::<f64>(py, bytemuck::cast_slice(positions).to_vec(), 3)
 }
 
-/// The numbers of triangles' corners as a row each.
+/// Returns a matrix with a row of three vertex indices for each triangle.
 pub fn of_corners<'a>(py: Python, corners: impl Iterator<Item = &'a [u32; 3]>) -> PyResult<Py<PyAny>> {
     matrix_of(py, corners.flatten().map(|&v| i64::from(v)).collect(), 3)
 }

@@ -1,4 +1,4 @@
-//! Attributes as arrays, and back.
+//! Converts attributes to arrays, and back.
 
 use crate::arrays::{Number, matrix_of};
 use crate::errors::argument;
@@ -9,14 +9,14 @@ use pyo3::types::PyDict;
 use spectral_remesh::{Attribute, Scalar};
 use std::sync::Arc;
 
-/// All that a mesh has beside vertices and faces, as the library has it: arrays of its vertices, and also texture
-/// coordinates, materials and names of parts.
+/// Everything that a mesh has besides vertices and faces, in the library's form: vertex attributes, texture coordinates,
+/// materials and names of parts.
 #[pyclass(frozen)]
 pub struct Attributes(pub Arc<spectral_remesh::Attributes>);
 
 #[pymethods]
 impl Attributes {
-    /// The attributes of vertices: name, array of shape (vertices,) or (vertices, components) of the type that the file has.
+    /// Returns the vertex attributes by name: arrays of shape (vertices,) or (vertices, components), of the type in the file.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let arrays = PyDict::new(py);
         for attribute in &self.0.vertex {
@@ -25,7 +25,7 @@ impl Attributes {
         Ok(arrays)
     }
 
-    /// The texture coordinates of the corners of faces, of shape (faces, 3, 2), if there are some.
+    /// Returns the texture coordinates of the corners of faces, of shape (faces, 3, 2), if there are any.
     fn texture(&self, py: Python) -> PyResult<Option<Py<PyAny>>> {
         if self.0.texture.is_empty() {
             return Ok(None);
@@ -35,8 +35,8 @@ impl Attributes {
     }
 }
 
-/// The attributes in `arrays`, and texture coordinates. Those that are the same as in `base`, from which they may be, keep all
-/// digits that they have there; materials and parts are those of `base`.
+/// Returns attributes made of `arrays` and `texture`, with the materials and parts of `base`. An array whose type and
+/// stored bytes equal those of its attribute in `base` is replaced by that attribute, which keeps all its digits.
 pub fn merged(
     arrays: &Bound<PyDict>,
     texture: Vec<[DVec2; 3]>,
@@ -59,7 +59,7 @@ pub fn merged(
     })
 }
 
-/// The bytes of an attribute as a file has them.
+/// Returns the bytes of an attribute as a file stores them.
 fn stored(attribute: &Attribute) -> Vec<u8> {
     let bytes = |&value: &f64| {
         let (bytes, count) = attribute.scalar.bytes(value);
@@ -68,13 +68,13 @@ fn stored(attribute: &Attribute) -> Vec<u8> {
     attribute.values.iter().flat_map(bytes).collect()
 }
 
-/// An attribute as an array of its type.
+/// Converts an attribute to an array of its type.
 fn array<'py>(py: Python<'py>, attribute: &Attribute) -> PyResult<Bound<'py, PyAny>> {
     let bytes = PyArray1::from_vec(py, stored(attribute)).call_method1("view", (type_name(attribute.scalar),))?;
     if attribute.components == 1 { Ok(bytes) } else { bytes.call_method1("reshape", ((-1, attribute.components),)) }
 }
 
-/// What numpy calls a type, the least significant byte first.
+/// Returns numpy's name of the little-endian type.
 fn type_name(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::I8 => "i1",
@@ -88,7 +88,7 @@ fn type_name(scalar: Scalar) -> &'static str {
     }
 }
 
-/// An array of shape (vertices, components) as an attribute.
+/// Converts an array of shape (vertices, components) to an attribute.
 fn attribute(name: String, array: &Bound<PyAny>) -> PyResult<Attribute> {
     let found = numbers::<f64>(array, Scalar::F64)
         .or_else(|| numbers::<f32>(array, Scalar::F32))
@@ -103,7 +103,7 @@ fn attribute(name: String, array: &Bound<PyAny>) -> PyResult<Attribute> {
     Ok(Attribute { name, components, values, scalar })
 }
 
-/// The columns and the numbers of a matrix, if it has this type.
+/// Returns the number of columns and the numbers of a matrix if it has this type.
 fn numbers<T: Number + Element>(array: &Bound<PyAny>, scalar: Scalar) -> Option<(usize, Vec<f64>, Scalar)> {
     let array = array.cast::<PyArray2<T>>().ok()?.readonly();
     let view = array.as_array();

@@ -1,4 +1,4 @@
-//! Errors of the library as exceptions of Python.
+//! Converts the library's errors to Python exceptions.
 
 use pyo3::PyErr;
 use spectral_remesh::{Error, Fault, Setting};
@@ -9,7 +9,7 @@ pyo3::import_exception!(spectral_remesh._errors, FileError);
 pyo3::import_exception!(spectral_remesh._errors, FormatError);
 pyo3::import_exception!(spectral_remesh._errors, MeshError);
 
-/// The exception for an error. Options are named as arguments of Python; so are arrays that make no mesh.
+/// Returns the exception for an error. Errors in options and in the arrays of a mesh name the Python argument.
 pub fn exception(error: &Error) -> PyErr {
     let text = error.to_string();
     match error {
@@ -24,12 +24,12 @@ pub fn exception(error: &Error) -> PyErr {
     }
 }
 
-/// The error for an argument: its name and the cause.
+/// Returns the `ArgumentError` for the argument `name`.
 pub fn argument(name: &str, cause: impl Into<String>) -> PyErr {
     ArgumentError::new_err((name.to_owned(), cause.into()))
 }
 
-/// The argument that a setting is.
+/// Returns the name of a setting's Python argument.
 fn keyword(setting: Setting) -> String {
     setting.name().replace('-', "_")
 }

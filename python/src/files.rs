@@ -1,4 +1,4 @@
-//! Files, in every format of the program.
+//! Reads and writes files in every format of the program.
 
 use crate::arrays::{of_corners, of_positions};
 use crate::attributes::Attributes;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Vertices, faces, attributes and notes.
 type Read = (Py<PyAny>, Py<PyAny>, Attributes, Vec<String>);
 
-/// What is in a file.
+/// Reads a file.
 #[pyfunction]
 #[pyo3(signature = (path, format))]
 pub fn read(py: Python, path: PathBuf, format: Option<&str>) -> PyResult<Read> {
@@ -24,13 +24,13 @@ pub fn read(py: Python, path: PathBuf, format: Option<&str>) -> PyResult<Read> {
     Ok((of_positions(py, &mesh.positions)?, faces, Attributes(Arc::new(attributes)), notes))
 }
 
-/// Writes a mesh to a file, points if it has no faces.
+/// Writes a mesh to a file, or points if it has no faces.
 #[pyfunction]
 #[pyo3(signature = (path, mesh, format))]
 pub fn write(py: Python, path: PathBuf, mesh: &Mesh, format: Option<&str>) -> PyResult<()> {
     let format = known(format)?;
     let parts = Arc::clone(&mesh.0);
-    // What has begun to be written is written to its end.
+    // Once begun, a file is written to its end: signals do not interrupt it.
     detached(py, || write_parts(&path, &parts, format))?.map_err(|error| exception(&error))
 }
 

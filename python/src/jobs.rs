@@ -1,4 +1,4 @@
-//! The jobs: each takes a mesh and a dictionary of arguments, and gives arrays and a report.
+//! The jobs. Each takes a mesh and a dictionary of arguments, and returns arrays and a report.
 
 use crate::arrays::{matrix_of, of_corners, of_positions};
 use crate::attributes::Attributes;
@@ -14,7 +14,7 @@ use spectral_remesh::report::{Report, RunSummary};
 use spectral_remesh::{Attribute, Input, Monitor, Origin, Outcome, Scalar, Stopwatch};
 use std::sync::Arc;
 
-/// A report as JSON, and as a table for people.
+/// A report as JSON, and as a table to read.
 type Told = (String, String);
 
 /// A remeshed surface.
@@ -25,12 +25,12 @@ pub struct Remeshed {
     /// Of shape (faces, 3).
     faces: Py<PyAny>,
     attributes: Py<Attributes>,
-    /// For each vertex the face of the input that it lies on, -1 on points; the three vertices of the input that it lies
-    /// between, and their weights.
+    /// For each vertex: the face of the input that it lies on, -1 for points; the three input vertices around it; their
+    /// weights.
     origin: (Py<PyAny>, Py<PyAny>, Py<PyAny>),
-    /// For each face that of the input below it; empty for points.
+    /// For each face, the face of the input below it; empty for points.
     face_origin: Py<PyAny>,
-    /// The ends of each edge on a sharp edge of the input, of shape (edges, 2).
+    /// The two vertices of each edge that lies on a sharp edge of the input, of shape (edges, 2).
     sharp_edges: Py<PyAny>,
     report: Option<Told>,
     shortcomings: Vec<String>,
@@ -42,7 +42,7 @@ pub struct Remeshed {
 pub struct Sampled {
     /// Of shape (points, 3).
     vertices: Py<PyAny>,
-    /// Normals, and the numbers of a subset.
+    /// Normals, and the input indices of a subset.
     attributes: Py<Attributes>,
     report: Told,
     notes: Vec<String>,
@@ -203,12 +203,12 @@ pub fn quality(py: Python, mesh: &Mesh, against: Option<&Mesh>, threads: Option<
     Ok(told(report.to_json(), &report.to_text()))
 }
 
-/// Adds the time that a job took. Its memory is left out: the process is the user's.
+/// Adds the time of a job to its summary. Peak memory is left out, since the process belongs to the user.
 fn measure(run: &mut RunSummary, monitor: &Stopwatch) {
     run.measure(&monitor.laps(), None, rayon::current_num_threads());
 }
 
-/// A report as JSON and as a table. The table begins with the names of files, of which there are none.
+/// Returns a report as JSON and as a table, without the file names that the table begins with, since they are empty here.
 fn told(json: String, table: &str) -> Told {
     let table = table.strip_prefix(" -> ").unwrap_or(table).trim_start_matches('\n');
     (json, table.into())

@@ -1,5 +1,5 @@
-//! The module `spectral_remesh._native`: arrays and options of Python go to the library's calls, results come back as
-//! arrays. What Python users see is in `spectral_remesh/`, which converts whatever they give to what is wanted here.
+//! The module `spectral_remesh._native`. It passes Python's arrays and options to the library, and returns results as
+//! arrays. The interface for users is the package `spectral_remesh/`, which converts their input to the types expected here.
 
 mod arrays;
 mod attributes;
@@ -12,7 +12,7 @@ mod picture;
 mod program;
 mod run;
 
-// The renderer of the pictures in a notebook is that of the example `render`; bits of a picture may differ between machines.
+// Pictures in a notebook use the renderer of the example `render`. Their bits may differ between machines.
 #[allow(clippy::disallowed_methods)]
 #[path = "../../examples/render/camera.rs"]
 mod camera;

@@ -1,4 +1,4 @@
-//! A mesh or a cloud on its way into the library.
+//! Meshes and clouds passed from Python to the library.
 
 use crate::arrays::{matrix_of, positions, texture, triangles};
 use crate::attributes::{Attributes, merged};
@@ -10,18 +10,18 @@ use spectral_remesh::Input;
 use spectral_remesh::stages::geom::polygon::triangulate;
 use std::sync::Arc;
 
-/// A mesh, or points if there are no faces, with attributes: a copy that the library owns.
+/// A mesh with attributes, or points if there are no faces. It is a copy that the library owns.
 #[pyclass(frozen)]
 pub struct Mesh(pub Arc<Parts>);
 
-/// What a mesh consists of.
+/// A mesh and its attributes.
 pub struct Parts {
     pub mesh: spectral_remesh::Mesh,
     pub attributes: spectral_remesh::Attributes,
 }
 
 impl Parts {
-    /// The same for a job.
+    /// Returns the input for a job.
     pub fn input(&self) -> Input<'_> {
         Input::from(&self.mesh).with_attributes(&self.attributes)
     }
@@ -29,7 +29,7 @@ impl Parts {
 
 #[pymethods]
 impl Mesh {
-    /// `vertices` and `faces` are of shape (n, 3), `arrays` (n, components), `texture_coordinates` (faces, 3, 2).
+    /// The shapes are: `vertices` and `faces` (n, 3), each of `arrays` (n, components), `texture_coordinates` (faces, 3, 2).
     #[new]
     #[pyo3(signature = (vertices, faces, arrays, texture_coordinates, base))]
     fn new(
@@ -49,7 +49,7 @@ impl Mesh {
     }
 }
 
-/// The triangles of polygons: `corners` has the corners of all of them, `sizes` how many each has.
+/// Splits polygons into triangles. `corners` has the vertices of all polygons in order, `sizes` the number of corners of each.
 #[pyfunction]
 pub fn split(
     py: Python,

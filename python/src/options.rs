@@ -1,5 +1,5 @@
-//! Arguments of Python as the library's settings. Each job has a list of its arguments; from there on every member is named,
-//! as on the command line, so an argument that is forgotten does not compile.
+//! Converts Python arguments to the library's settings. Each job has a list of its arguments. All members are then named, as
+//! for the command line, so a forgotten argument is a compile error.
 
 use crate::errors::{argument, exception};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
@@ -14,7 +14,7 @@ use spectral_remesh::{
     Signal, Values, words,
 };
 
-/// A struct that is read from a dictionary with these arguments, all of them and no other.
+/// Defines a struct that is read from a dictionary with exactly these arguments.
 macro_rules! arguments {
     ($name:ident { $($member:ident: $type:ty,)* }) => {
         struct $name { $($member: $type,)* }
@@ -77,7 +77,7 @@ arguments!(ReconstructArguments {
     normal_radius: Option<f64>,
 });
 
-/// How to remesh.
+/// Returns the options of `remesh`.
 pub fn remeshing(given: &Bound<PyDict>) -> PyResult<RemeshOptions> {
     let RemeshArguments {
         points,
@@ -128,7 +128,7 @@ pub fn remeshing(given: &Bound<PyDict>) -> PyResult<RemeshOptions> {
     Ok(RemeshOptions { without_report: !report, ..options })
 }
 
-/// How to sample.
+/// Returns the options of `sample`.
 pub fn sampling(given: &Bound<PyDict>) -> PyResult<SampleOptions> {
     let SampleArguments {
         points,
@@ -161,7 +161,7 @@ pub fn sampling(given: &Bound<PyDict>) -> PyResult<SampleOptions> {
     settings.resolve().map_err(|error| exception(&error))
 }
 
-/// How to reconstruct.
+/// Returns the options of `reconstruct`.
 pub fn reconstructing(given: &Bound<PyDict>) -> PyResult<ReconstructOptions> {
     let ReconstructArguments { resolution, smooth, normal_fit, normal_neighbors, normal_radius } =
         ReconstructArguments::read(given)?;
@@ -173,7 +173,7 @@ fn normals(fit: Option<Fit>, neighbors: Option<usize>, radius: Option<f64>) -> N
     NormalSettings { fit: fit.map(|Fit(fit)| fit), neighbors, radius }
 }
 
-/// One of the arguments.
+/// Extracts one argument.
 fn member<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyDict>, name: &str) -> PyResult<T> {
     let value = given.get_item(name)?.ok_or_else(|| argument(name, "it is missing"))?;
     value.extract().map_err(|error| argument(name, Into::<PyErr>::into(error).value(given.py()).to_string()))
@@ -186,7 +186,7 @@ fn refuse_others(given: &Bound<PyDict>, known: &[&str]) -> PyResult<()> {
     other.map_or(Ok(()), |name| Err(argument(name, "there is no such argument")))
 }
 
-/// Types of arguments that are words of the command line, too, and are read as there.
+/// Defines types of arguments that are parsed from text as on the command line.
 macro_rules! words {
     ($($name:ident($type:ty) = $read:expr;)*) => {
         $(struct $name($type);
@@ -208,7 +208,7 @@ words! {
     Fit(NormalFit) = words::normal_fit;
 }
 
-/// Sharp edges: an array of their ends, or what decides.
+/// Sharp edges: an array of their two vertices, or the angle or word that selects them.
 struct SharpEdges(Features);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for SharpEdges {
@@ -223,7 +223,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for SharpEdges {
     }
 }
 
-/// Lengths at vertices: an array, or the name of an attribute.
+/// Edge lengths at vertices: an array, or the name of an attribute.
 struct Lengths(Values);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Lengths {
@@ -238,7 +238,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Lengths {
     }
 }
 
-/// Vertices that are selected: an array, or the name of an attribute that marks them.
+/// Selected vertices: an array, or the name of an attribute that marks them.
 struct Marks(Selection);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Marks {
@@ -253,7 +253,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Marks {
     }
 }
 
-/// A support radius; `True` is the default one, `False` is none.
+/// A support radius. `True` is the default for smoothing, `False` smooths nothing.
 struct Smoothing(f64);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Smoothing {
@@ -267,7 +267,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Smoothing {
     }
 }
 
-/// Names of attributes, each with the width of the kernel along it.
+/// Attribute names with the kernel width along each.
 struct Widths(Vec<Signal>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Widths {

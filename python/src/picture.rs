@@ -1,4 +1,4 @@
-//! A picture of a mesh for a notebook.
+//! Draws a picture of a mesh for a notebook.
 
 use crate::camera::{Camera, Panel};
 use crate::errors::SpectralRemeshError;
@@ -12,10 +12,10 @@ use spectral_remesh::stages::picture::raster::draw;
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
 
-/// Where the camera stands: degrees around z, and above the horizon.
+/// Direction to the camera: degrees around z, and above the horizon.
 const VIEW: (f64, f64) = (30.0, 20.0);
 
-/// A mesh as a PNG, its longer side so many pixels.
+/// Draws a mesh as a PNG whose longer side has `size` pixels.
 #[pyfunction]
 pub fn picture<'py>(py: Python<'py>, mesh: &Mesh, size: usize) -> PyResult<Bound<'py, PyBytes>> {
     let mesh = &mesh.0.mesh;

@@ -1,5 +1,5 @@
-//! A job beside Python: it runs on a thread of its own without the lock of the interpreter, while the calling thread looks
-//! after signals and tells the progress.
+//! Runs a job on its own thread, without the global interpreter lock, while the calling thread handles signals and reports
+//! progress.
 
 use crate::errors::exception;
 use pyo3::prelude::*;
@@ -11,14 +11,14 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::Duration;
 
-/// How often the calling thread looks after signals: to people an interrupt seems to work at once.
+/// Interval at which the calling thread checks for signals, short enough for an interrupt to seem immediate.
 const TICK: Duration = Duration::from_millis(20);
 
-/// What the job tells the calling thread, and whether it should end.
+/// State shared with the job: its progress, and whether it is cancelled.
 #[derive(Default)]
 struct Watch {
     stage: Mutex<&'static str>,
-    /// The bits of the share that is done.
+    /// The bits of the completed share of the job.
     done: AtomicU64,
     cancelled: AtomicBool,
 }
@@ -48,7 +48,7 @@ impl Watch {
     }
 }
 
-/// The calling thread's part: handlers of signals, and the function that is told the progress.
+/// The calling thread's side: it runs signal handlers and calls the progress function.
 struct Caller<'a, 'py> {
     py: Python<'py>,
     progress: Option<&'a Bound<'py, PyAny>>,
@@ -56,10 +56,10 @@ struct Caller<'a, 'py> {
 }
 
 impl Caller<'_, '_> {
-    /// Lets handlers of signals run, and tells the stage and the share that is done, if it is another one.
+    /// Runs pending signal handlers, and reports the stage and the completed share if they have changed.
     ///
     /// # Errors
-    /// What one of these raises: the job shall end.
+    /// An exception raised by a handler or by the progress function. The job must then end.
     fn look(&mut self, watch: &Watch) -> PyResult<()> {
         self.py.check_signals()?;
         let now = watch.stage_and_share();
@@ -71,11 +71,11 @@ impl Caller<'_, '_> {
     }
 }
 
-/// Runs `job` to its end, on as many threads as are wanted. If a handler of a signal or `progress` raises, that is raised at
-/// once, and the job, which nobody waits for any more, ends by itself as soon as it asks its monitor.
+/// Runs `job` on the given number of threads and returns its result. If a signal handler or `progress` raises, the exception is
+/// raised at once. Nothing waits for the cancelled job, which ends when it next asks its monitor.
 ///
 /// # Errors
-/// Those of the job, as exceptions.
+/// Errors of the job, as exceptions.
 pub fn run<T: Send + 'static>(
     py: Python,
     threads: Option<usize>,
@@ -90,7 +90,7 @@ pub fn run<T: Send + 'static>(
         let threads = threads.or_else(threads_after_fork);
         thread::spawn(move || {
             let result = with_threads(threads, || job(&*watch)).and_then(|result| result);
-            // Nobody listens if the job was given up.
+            // There is no receiver if the job was cancelled.
             let _ = tell.send(result);
         })
     };
@@ -114,24 +114,24 @@ pub fn run<T: Send + 'static>(
     }
 }
 
-/// Calls `work`, which nobody needs to wait for or to interrupt, without the lock of the interpreter.
+/// Calls `work` without the global interpreter lock. It can be neither interrupted nor monitored.
 ///
 /// # Errors
-/// If the system gives no threads.
+/// If the system cannot start threads.
 pub fn detached<T: Send>(py: Python, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     py.detach(|| with_threads(threads_after_fork(), work)).map_err(|error| exception(&error))
 }
 
-/// The process that the package was loaded in.
+/// Id of the process that loaded the package.
 static FIRST: OnceLock<u32> = OnceLock::new();
 
-/// Remembers the process.
+/// Remembers the id of this process.
 pub fn remember_process() {
     FIRST.get_or_init(std::process::id);
 }
 
-/// The threads of a job in a process that was forked off another one: rayon's may have been started there, and are not in this
-/// one, so it gets new ones, as many as by default.
+/// Requests new threads, as many as by default, in a forked process. The threads of rayon's global pool, if the parent
+/// started it, do not exist in the child.
 fn threads_after_fork() -> Option<usize> {
     FIRST.get().is_some_and(|&first| first != std::process::id()).then_some(0)
 }

@@ -1,4 +1,4 @@
-"""Shapes and files that the tests work on."""
+"""Shapes and files for the tests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def torus(n: int = 60, m: int = 30) -> tuple[np.ndarray, np.ndarray]:
-    """A torus around z, of radii 2 and 0.7: Euler characteristic 0."""
+    """Returns a torus around z with radii 2 and 0.7. Its Euler characteristic is 0."""
     i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     a, b = 2 * np.pi * i / n, 2 * np.pi * j / m
     r = 2 + 0.7 * np.cos(b)
@@ -32,7 +32,7 @@ def torus(n: int = 60, m: int = 30) -> tuple[np.ndarray, np.ndarray]:
 
 
 def euler(faces: np.ndarray) -> int:
-    """The Euler characteristic of a closed mesh, each of whose edges has to have exactly two faces."""
+    """Returns the Euler characteristic of a closed mesh, and asserts that each edge has exactly two faces."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     different, counts = np.unique(edges, axis=0, return_counts=True)
     assert (counts == 2).all()
@@ -40,7 +40,7 @@ def euler(faces: np.ndarray) -> int:
 
 
 def command(*words: object, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Runs the command that came with the package."""
+    """Runs the command installed with the package."""
     program = shutil.which("remesh", path=os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]]))
     assert program is not None
     return subprocess.run([program, *map(str, words)], cwd=folder, capture_output=True, text=True, check=False)
@@ -53,7 +53,7 @@ def data() -> Path:
 
 @pytest.fixture
 def marked(tmp_path: Path) -> Path:
-    """A torus with the properties ``h``, edge lengths, and ``half``, which is 1 where x is positive."""
+    """A file with a torus and the properties ``h``, edge lengths, and ``half``, 1 where x is positive."""
     vertices, faces = torus()
     positive = vertices[:, 0] > 0
     attributes = {"h": np.where(positive, 0.15, 0.25).astype(np.float32), "half": positive.astype(np.uint8)}

@@ -1,4 +1,4 @@
-"""The command that comes with the package, and that Python gives the same bytes with the same options."""
+"""The command of the package works, and Python gives the same bytes with the same options."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from conftest import command, torus
 
 import spectral_remesh as sr
 
-# Flags without an argument of the same name: what they are in Python.
+# Flags without an argument of the same name, with their equivalents in Python.
 COMMAND_ONLY = {
     "format": "the argument of read()",
     "output-format": "the argument of write()",
@@ -35,13 +35,13 @@ COMMAND_ONLY = {
     "version": "__version__",
 }
 
-# Flags of one job that another function stands for.
+# Flags of a job that are a separate function in Python.
 OTHER_FUNCTION = {"remesh": {"levels"}}
 
 # Arguments without a flag of the same name.
 PYTHON_ONLY = {"vertices", "faces", "attributes", "progress", "report", "strict"}
 
-# For each job a command line and the same in Python, with as many of the options as there are.
+# For each job, command lines and their equivalents in Python. Together they use all options.
 SAME = {
     "remesh": [
         ("data/blob.obj --points 500 --seed 3 --threads 1", {"points": 500, "seed": 3, "threads": 1}),
@@ -87,7 +87,7 @@ SAME = {
 
 @pytest.fixture
 def folder(tmp_path, data, marked):
-    """A folder with ``data/``, ``marked.ply``, and clouds with normals and without."""
+    """A folder with ``data/``, ``marked.ply``, and clouds with and without normals."""
     os.symlink(data, tmp_path / "data")
     cloud = sr.sample(*torus(), points=1500)
     sr.write(tmp_path / "cloud.ply", cloud)

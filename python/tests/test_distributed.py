@@ -1,4 +1,4 @@
-"""Clouds that are sampled by workers of Dask, one of which dies."""
+"""Dask workers sample and mesh clouds, and one of them dies."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_the_folder_may_be_at_an_address(tmp_path):
             (work / ".tile-0-unfinished").touch()
             make(cloud, tmp_path / name, folder=work.as_uri(), client=client, tiles=2, points=3000)
             copies = client.run(lambda dask_worker: os.listdir(dask_worker.local_directory))
-    # Nothing of the first plan is left, and nothing incomplete.
+    # Neither files of the first plan nor incomplete files are left.
     assert (work / "plan.json").exists() and not list(work.glob(".*"))
     assert not any(name.startswith("remesh-") for names in copies.values() for name in names)
     one = tmp_path / "one"

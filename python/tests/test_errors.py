@@ -1,4 +1,4 @@
-"""What is refused, and how: a ValueError that names the argument, or an error of a kind of its own."""
+"""Invalid input raises a ValueError that names the argument, or a specific exception."""
 
 from __future__ import annotations
 

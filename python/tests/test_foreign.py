@@ -1,4 +1,4 @@
-"""Meshes of other packages, where these are installed."""
+"""Meshes of other packages, if these are installed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_nothing_is_imported_that_is_not_given():
 
 
 def assert_like_arrays(mesh, **options):
-    """A mesh of another package gives what its arrays give."""
+    """Asserts that a mesh of another package gives the same result as its arrays."""
     expected = sr.remesh(VERTICES, FACES, points=300, **options)
     found = sr.remesh(mesh, points=300)
     assert np.array_equal(found.vertices, expected.vertices)
@@ -88,7 +88,7 @@ def test_pyvista():
 
 def test_pyvista_with_polygons():
     pyvista = pytest.importorskip("pyvista")
-    # Quadrilaterals, and a pyramid of both kinds.
+    # Quadrilaterals, and a pyramid with a quadrilateral and triangles.
     assert euler(sr.remesh(pyvista.Cube(clean=True).clean(), points=300).faces) == 2
     points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]]
     mixed = pyvista.PolyData(np.array(points), faces=[4, 3, 2, 1, 0, 3, 0, 1, 4, 3, 1, 2, 4, 3, 2, 3, 4, 3, 3, 0, 4])

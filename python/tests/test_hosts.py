@@ -1,5 +1,5 @@
-"""Clouds that are sampled on several hosts, one of which drops off the network. Hosts are network namespaces of Linux, which only
-root can make."""
+"""Several hosts sample a cloud, and one of them drops off the network. The hosts are Linux network namespaces, which only root
+can create."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from test_distributed import torus
 dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 
-#: The network, which has this machine as its first host.
+#: Prefix of the addresses in the network, whose first host is this machine.
 NETWORK = "10.213.77."
 
 
@@ -59,7 +59,7 @@ class Host:
 
 @pytest.fixture
 def hosts() -> Iterator[list[Host]]:
-    """Two hosts, joined to each other and to this machine."""
+    """Two hosts, connected to each other and to this machine."""
     if sys.platform != "linux" or os.geteuid() != 0 or shutil.which("ip") is None:
         pytest.skip("only root of Linux makes network namespaces, with ip")
     switch = f"sr{os.getpid()}"

@@ -1,4 +1,4 @@
-"""What the functions promise, on arrays."""
+"""The functions do what they promise, on arrays."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_arrays_may_lie_in_memory_in_any_way(layout):
 @pytest.mark.parametrize("floats", ["f2", "f4", "f8", "g", "i1", "u1", "i2", "u4", "i8", "longlong"])
 @pytest.mark.parametrize("integers", ["i2", "u2", "i4", "u4", "i8", "u8", "longlong"])
 def test_arrays_may_be_of_any_type(floats, integers):
-    # All of these types hold these numbers.
+    # All types can represent these numbers.
     vertices = np.array([[0, 0, 0], [8, 0, 0], [0, 8, 0], [0, 0, 8]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     expected = sr.remesh(vertices.astype(float), faces, points=50, report=False)
@@ -135,7 +135,7 @@ def test_attributes_keep_their_types():
     types = {name: array.dtype.name for name, array in attributes.items()}
     assert types == {"color": "uint8", "class": "int32", "mask": "uint8", "half": "float32", "single": "float32"}
     assert attributes["color"].shape == (300, 4) and (attributes["color"] == 200).all()
-    # The nearest vertex decides, so that no label is a mean of others.
+    # Labels are those of the nearest vertex, never averages.
     assert set(attributes["class"]) == {7, 2**20}
     assert sr.remesh(vertices, faces, points=300, attributes=False).attributes == {}
 
@@ -183,7 +183,7 @@ def test_samples_lie_on_the_surface_and_have_its_normals():
     assert sampled.indices is None and sampled.report["samples"] == 500
     subset = sr.sample(vertices, faces, points=500, scan_only=True)
     assert np.array_equal(vertices[subset.indices], subset.vertices)
-    # What is sampled can be remeshed again.
+    # Samples can be remeshed.
     assert sr.remesh(sr.sample(vertices, faces, points=1500), points=500).verified
 
 

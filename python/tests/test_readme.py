@@ -1,4 +1,4 @@
-"""The Python of the pages runs."""
+"""The Python examples on the pages run."""
 
 from __future__ import annotations
 

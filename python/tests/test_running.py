@@ -1,4 +1,4 @@
-"""A job beside Python: progress, interrupts, other threads, forks."""
+"""Jobs run alongside Python: progress, interrupts, other threads, forks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from conftest import torus
 
 import spectral_remesh as sr
 
-# A job that would take many seconds: it is ended long before.
+# A job that would take many seconds. It is ended long before that.
 LONG = {"points": 200_000}
 
 
@@ -55,7 +55,7 @@ def test_what_progress_raises_ends_the_job():
 @pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
 @pytest.mark.parametrize("job", [sr.remesh, sr.sample])
 def test_ctrl_c_ends_the_job(job):
-    # Where tests run in the background of a shell, interrupts are switched off.
+    # Interrupts are disabled when tests run in the background of a shell.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     shares = []
 
@@ -79,7 +79,7 @@ def test_other_threads_run_meanwhile():
         time.sleep(0.001)
         steps += 1
     assert len(made[0].vertices) == 4000
-    # With the lock held there would be one or two.
+    # With the lock held there would be one or two steps.
     assert steps > 20
 
 
@@ -107,7 +107,7 @@ def count(seed: int) -> int:
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="there is no fork")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 def test_processes_that_are_forked_off_have_jobs_too():
-    # A picture is drawn by threads, too.
+    # Drawing a picture uses threads, too.
     assert count(0) == 200 and sr.remesh(*torus(), points=200, threads=1)._repr_html_()
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(count, range(4)).get(timeout=60) == [200] * 4

@@ -1,4 +1,4 @@
-//! Attributes of the input are those of the output: numbers, labels, colours, texture coordinates, materials.
+//! Transfer of attributes from input to output: numbers, labels, colours, texture coordinates, materials.
 
 use crate::common::{Ends, cells, grid, inside_out, moved, plate, random, sphere, together};
 use glam::{DVec2, DVec3, dvec2, dvec3};
@@ -12,7 +12,7 @@ use spectral_remesh::stages::transfer::vertex::{self, Carried};
 use spectral_remesh::{Density, Mesh, Options};
 use std::f64::consts::TAU;
 
-/// One attribute with the values that `f` has at the vertices.
+/// Returns one attribute, with the values of `f` at the vertices.
 fn of_places<const N: usize>(mesh: &Mesh, name: &str, scalar: Scalar, f: impl Fn(DVec3) -> [f64; N]) -> Attributes {
     let values = mesh.positions.iter().flat_map(|&p| f(p)).collect();
     let attribute = Attribute { name: name.into(), components: N, values, scalar };
@@ -26,12 +26,12 @@ fn remeshed(input: &Mesh, points: usize) -> Remeshed {
     result
 }
 
-/// The attributes of `input` on what was made of it.
+/// Transfers the attributes of `input` to the result made from it.
 fn carry(input: &Mesh, attributes: &Attributes, output: &Remeshed) -> Carried {
     vertex::carry(input, attributes, &output.mesh, &output.origins)
 }
 
-/// All of it arrived, and no note says otherwise.
+/// Checks that everything was transferred without notes, and returns the attributes.
 #[track_caller]
 fn whole(carried: Carried) -> Attributes {
     assert!(carried.lost.is_empty() && carried.notes.is_empty(), "{:?} {:?}", carried.lost, carried.notes);
@@ -62,7 +62,7 @@ fn labels_stay_whole_and_are_those_below() {
     let carried = whole(carry(&input, &attributes, &output));
     for (&p, &label) in output.mesh.positions.iter().zip(&carried.vertex[0].values) {
         assert!((0..8).any(|o| label == 10.0 * f64::from(o)));
-        // Edges of the input are about a tenth long.
+        // Edges of the input have a length of about 0.1.
         assert!(p.abs().min_element() < 0.12 || label == 10.0 * octant(p), "{p} {label}");
     }
 }
@@ -130,7 +130,7 @@ fn what_cannot_be_carried_is_named() {
     assert_eq!(vertex::carry(&input, &Attributes::default(), &input, &origins), Carried::default());
 }
 
-/// The side of the unit cube that a point is nearest to, and its place in an atlas of six squares.
+/// Returns the side of the unit cube nearest to a point, and its place in an atlas of six squares.
 fn on_cube(p: DVec3) -> (u32, DVec2) {
     let q = p - 0.5;
     let axis = (0..3).max_by(|&a, &b| q[a].abs().total_cmp(&q[b].abs())).unwrap();
@@ -163,12 +163,12 @@ fn a_cube_keeps_its_seams_and_its_materials() {
     }
 }
 
-/// A tube around z whose texture is rolled around it once, so that both sides of its one seam are of one chart.
+/// Returns a tube around z with a texture rolled around it once, so that both sides of its only seam belong to one chart.
 fn tube(n: u32, m: u32) -> (Mesh, Attributes) {
     let open = grid(n, m, Ends::Open, Ends::Open, |u, v| dvec3(u, v, 0.0));
     let texture = (0..open.triangles.len()).map(|t| open.corners(t).map(DVec3::truncate)).collect();
     let roll = |p: DVec3| {
-        // The last column is at exactly the place of the first one.
+        // The last column has exactly the positions of the first one.
         let angle = if p.x == 1.0 { 0.0 } else { TAU * p.x };
         dvec3(angle.cos(), angle.sin(), 3.0 * p.y)
     };
@@ -182,7 +182,7 @@ fn a_seam_within_one_chart_is_kept() {
         let output = remeshed(&input, points);
         let carried = whole(carry(&input, &attributes, &output));
         for (t, texture) in carried.texture.iter().enumerate() {
-            // An edge is at most a fifth of the way around.
+            // An edge spans at most a fifth of the circumference.
             let width = (0..3).map(|k| (texture[k].x - texture[(k + 1) % 3].x).abs()).fold(0.0, f64::max);
             assert!(width < 0.2, "{n} {texture:?}");
             for (p, at) in output.mesh.corners(t).into_iter().zip(texture) {
@@ -198,7 +198,7 @@ fn a_seam_within_one_chart_is_kept() {
 
 #[test]
 fn triangles_that_a_seam_distorts_are_counted() {
-    // Every triangle of the input is a chart by itself.
+    // Every triangle of the input is a separate chart.
     let input = sphere(3, DVec3::ZERO, 1.0);
     let mut rng = random(1);
     let mut place = || DVec2::splat(100.0 * unit(&mut rng));

@@ -1,5 +1,5 @@
-//! Makes inputs and options of all kinds from any bytes, for the property tests and for the fuzzing in `fuzz/`, and
-//! checks every job on them.
+//! Makes inputs and options of all kinds from arbitrary bytes, for the property tests and for the fuzzing in `fuzz/`, and
+//! checks the job on them.
 
 use crate::common::*;
 use crate::sound::{Kind, crossing, kind};
@@ -11,7 +11,7 @@ use spectral_remesh::{
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Decisions, one from each byte; zeros when the bytes have run out.
+/// Decisions, one per byte; zeros after the last byte.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -21,7 +21,7 @@ impl Bytes<'_> {
         first.into()
     }
 
-    /// A number in `low..=high`.
+    /// Returns a number in `low..=high`.
     fn among(&mut self, low: u32, high: u32) -> u32 {
         low + self.next() % (high - low + 1)
     }
@@ -30,7 +30,7 @@ impl Bytes<'_> {
         all[self.next() as usize % all.len()]
     }
 
-    /// From 0 to 1.
+    /// Returns a number from 0 to 1.
     fn share(&mut self) -> f64 {
         f64::from(self.next()) / 255.0
     }
@@ -40,18 +40,18 @@ impl Bytes<'_> {
     }
 }
 
-/// An input, and what to make of it.
+/// An input with its options.
 #[derive(Debug)]
 pub struct Case {
     pub mesh: Mesh,
     pub options: RemeshOptions,
-    /// The topology of the shape before damage that repair should undo; `None` where it is not known. Such a shape does
-    /// not cross itself.
+    /// The topology of the shape before damage that repair should undo; `None` if it is not known. A shape with known
+    /// topology does not intersect itself.
     pub kind: Option<Kind>,
 }
 
 impl Case {
-    /// The case that these bytes stand for, with at most so many points.
+    /// Returns the case encoded by these bytes, with at most `most_points` points.
     pub fn new(bytes: &[u8], most_points: usize) -> Case {
         let bytes = &mut Bytes(bytes);
         let (mut mesh, mut is_known) = shape(bytes);
@@ -65,7 +65,7 @@ impl Case {
         Case { mesh: placed(bytes, mesh), options, kind: kind.filter(|_| is_known) }
     }
 
-    /// Remeshes the case. Panics if that does not end within `time`, or if the result is not what it claims to be.
+    /// Remeshes the case. Panics if the job does not end within `time`, or if the result is not what it claims to be.
     pub fn run(&self, time: Duration) {
         let positions: Vec<[f64; 3]> = self.mesh.positions.iter().map(|p| p.to_array()).collect();
         let input = Input::mesh(&positions, &self.mesh.triangles);
@@ -102,7 +102,7 @@ impl Case {
             assert!(!outcome.notes.is_empty(), "{} vertices instead of {wanted}", outcome.mesh.positions.len());
         }
         if let Some(report) = &outcome.report {
-            // If nothing was repaired, the result must have the topology of the input, however that was made.
+            // If nothing was repaired, the result must have the topology of the input, however the input was made.
             if report.repairs == Some(Default::default())
                 && let Ok(own) = kind(&self.mesh)
             {
@@ -121,7 +121,7 @@ impl Case {
     }
 }
 
-/// Asks to stop after some time, and records the stages until then.
+/// A monitor that cancels after some time, and records the stages until then.
 struct Until {
     end: Instant,
     stages: Mutex<Vec<&'static str>>,
@@ -137,7 +137,7 @@ impl Monitor for Until {
     }
 }
 
-/// A shape about as large as one, and whether it is one that does not cross or touch itself.
+/// Returns a shape of about unit size, and whether it is known not to intersect or touch itself.
 fn shape(bytes: &mut Bytes) -> (Mesh, bool) {
     let one = |bytes: &mut Bytes| match bytes.next() % 12 {
         0 => (sphere(bytes.among(0, 3), DVec3::ZERO, 0.5), true),
@@ -154,7 +154,7 @@ fn shape(bytes: &mut Bytes) -> (Mesh, bool) {
         _ => (triangles(bytes), false),
     };
     let (mut mesh, mut is_known) = one(bytes);
-    // Separate bodies, side by side or one inside of the other.
+    // Separate bodies, side by side or one inside the other.
     for i in 0..bytes.one_of(&[0, 0, 0, 0, 1, 2]) {
         let (other, other_is_known) = one(bytes);
         let apart = dvec3(0.0, 0.0, 3.0 * f64::from(i + 1));
@@ -164,7 +164,7 @@ fn shape(bytes: &mut Bytes) -> (Mesh, bool) {
     (mesh, is_known)
 }
 
-/// Unit cells, perhaps ones that meet at an edge or a corner only.
+/// Returns unit cells, some of which may meet only at an edge or a corner.
 fn cells_of(bytes: &mut Bytes) -> Mesh {
     let bits = (0..4).fold(0, |bits, _| bits << 8 | bytes.next());
     let places: Vec<[i32; 3]> =
@@ -172,7 +172,7 @@ fn cells_of(bytes: &mut Bytes) -> Mesh {
     moved(cells(&places), |p| p / 3.0)
 }
 
-/// Triangles between points of a coarse lattice, which may meet in any way.
+/// Returns triangles between points of a coarse lattice, which may meet in any way.
 fn triangles(bytes: &mut Bytes) -> Mesh {
     let side = bytes.among(2, 4);
     let count = bytes.among(1, 40);
@@ -181,7 +181,7 @@ fn triangles(bytes: &mut Bytes) -> Mesh {
     Mesh { positions: places.map(|p| p / f64::from(side)).collect(), triangles }
 }
 
-/// Damages a mesh; whether its topology stays the same.
+/// Damages a mesh. Returns whether its topology stays the same.
 fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
     let mut stays = true;
     for _ in 0..bytes.one_of(&[0, 0, 1, 1, 2, 4]) {
@@ -193,11 +193,11 @@ fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
             1 => *mesh = shuffled(mesh, &mut random(bytes.next().into())),
             // The same face twice.
             2 => mesh.triangles.push([b, c, a]),
-            // Faces without an area.
+            // Faces without area.
             3 => mesh.triangles.extend([[a, a, b], [c, c, c]]),
-            // Faces that look the other way.
+            // Flipped faces.
             4 => mesh.triangles.iter_mut().skip(some).step_by(3).for_each(|t| t.swap(1, 2)),
-            // A vertex on an edge, which the neighbour does not have; a sheet hung on an edge; a hole; noise; a copy nearby.
+            // A vertex on an edge, which the adjacent face lacks; a sheet attached to an edge; a hole; noise; a copy nearby.
             5 => {
                 let middle = (mesh.positions[a as usize] + mesh.positions[b as usize]) / 2.0;
                 let m = mesh.positions.len() as u32;
@@ -224,7 +224,7 @@ fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
                 *mesh = noisy(std::mem::take(mesh), size, &mut random(bytes.next().into()));
                 stays = false;
             }
-            // A vertex that rounding moved off an edge, and the triangle of no height between the two.
+            // A vertex that rounding moved off an edge, and the triangle of almost no height between them.
             9 => {
                 let along = bytes.share().clamp(1e-9, 1.0 - 1e-9);
                 let [from, to, apex] = [a, b, c].map(|v| mesh.positions[v as usize]);
@@ -243,7 +243,7 @@ fn damage(bytes: &mut Bytes, mesh: &mut Mesh) -> bool {
     stays
 }
 
-/// The mesh scaled, squeezed, turned and moved; a few bits of its coordinates are lost.
+/// Returns the mesh scaled, squeezed, rotated and moved, which costs a few bits of its coordinates.
 fn placed(bytes: &mut Bytes, mesh: Mesh) -> Mesh {
     let squeeze = dvec3(1.0, 1.0, bytes.one_of(&[1.0, 1.0, 1.0, 0.1, 1e-2]));
     let (axis, angle) = (bytes.vector() + dvec3(0.1, 0.0, 0.0), bytes.one_of(&[0.0, 0.0, 1.0, 2.0]));
@@ -253,7 +253,7 @@ fn placed(bytes: &mut Bytes, mesh: Mesh) -> Mesh {
     moved(mesh, |p| scale * (p + offset))
 }
 
-/// Options for a mesh of so many `vertices`.
+/// Returns options for a mesh with this number of vertices.
 fn options(bytes: &mut Bytes, most_points: usize, vertices: usize) -> RemeshOptions {
     let share = bytes.share();
     let points = (4.0 * (most_points as f64 / 4.0).powf(share)) as usize;

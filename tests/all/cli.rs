@@ -1,4 +1,4 @@
-//! The program as its users run it: arguments, exit statuses, what is printed where, and what is left on the disk.
+//! The program as users run it: arguments, exit statuses, what is printed where, and which files remain on disk.
 
 mod levels;
 
@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// A run that has ended.
+/// A finished run.
 struct Ran {
     status: i32,
     out: String,
@@ -14,8 +14,8 @@ struct Ran {
 }
 
 impl Ran {
-    /// Checks that it failed with `status`, printed nothing to standard output, and one line that contains `words` to
-    /// standard error.
+    /// Checks that it failed with `status`, printed nothing to standard output, and printed one line that contains `words`
+    /// to standard error.
     #[track_caller]
     fn failed(&self, status: i32, words: &[&str]) {
         assert_eq!(self.status, status, "{}", self.err);
@@ -38,14 +38,14 @@ fn command(folder: &Path, words: &str) -> Command {
     command
 }
 
-/// Runs the program in `folder`, with the words of `words` as its arguments.
+/// Runs the program in `folder`, with the space-separated `words` as its arguments.
 fn run(folder: &Path, words: &str) -> Ran {
     let Output { status, stdout, stderr } = command(folder, words).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     Ran { status: status.code().unwrap_or(-1), out: text(stdout), err: text(stderr) }
 }
 
-/// A folder with `octahedron.off`, `moved.off` (the same a tenth higher), `sphere.off` (1,938 vertices) and more.
+/// Returns a folder with `octahedron.off`, `moved.off` (the same, 0.1 higher), `sphere.off` (1,938 vertices) and more.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
@@ -58,8 +58,8 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// An octahedron whose faces are cut into `n` by `n` triangles and blown up to a unit sphere, as OFF. Each of the eight
-/// faces has its own grid; vertices on their seams are found again by their place on the octahedron.
+/// Returns an octahedron whose faces are divided into `n` by `n` triangles and projected onto a unit sphere, as OFF. Each of
+/// the eight faces has its own grid; vertices on common edges are matched by their place on the octahedron.
 fn sphere(n: i32, lift: f64) -> String {
     let mut places: Vec<[i32; 3]> = Vec::new();
     let mut index = |place: [i32; 3]| {
@@ -92,7 +92,7 @@ fn sphere(n: i32, lift: f64) -> String {
     text
 }
 
-/// The names of all files in a folder.
+/// Returns the names of all files in a folder.
 fn files(folder: &Path) -> Vec<String> {
     let names = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap());
     let mut names: Vec<String> = names.collect();
@@ -233,7 +233,7 @@ fn a_reader_that_goes_away_is_no_error() {
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &[][..]));
 }
 
-// From here on the whole pipeline runs.
+// The tests from here on run the whole pipeline.
 
 #[test]
 fn a_sphere_is_remeshed_and_reported() {
@@ -268,7 +268,7 @@ fn quiet_says_nothing_and_verbose_names_the_stages() {
     let folder = folder();
     assert_eq!(run(folder.path(), "sphere.off quiet.ply --points 200 -q").went_well(), "");
     assert!(folder.path().join("quiet.ply").exists());
-    // Even so a note says what of the input is lost.
+    // Even then, a note says which part of the input is lost.
     let shred: String =
         (0..25).map(|i| format!("{} {} 9\n", 0.05 * f64::from(i % 5), 0.05 * f64::from(i / 5))).collect();
     let cloud: String =
@@ -338,7 +338,7 @@ fn the_stack_that_a_shell_allows_does_not_matter() {
     assert_eq!((ran.status.code(), String::from_utf8_lossy(&ran.stderr).as_ref()), (Some(0), ""));
 }
 
-/// `graded.ply`: the mesh of `octahedron.off` with a property `h`, one of whose values is given.
+/// Writes `graded.ply`: the mesh of `octahedron.off` with a property `h`, one of whose values is given.
 fn with_property(folder: &Path, h: &str) {
     let text = sphere(1, 0.0);
     let mut lines = text.lines().skip(2);
@@ -365,7 +365,7 @@ fn a_part_is_remeshed_and_the_rest_comes_through() {
 
     with_property(path, "0.1");
     run(path, "graded.ply a.off --select h=0.4 --points 60").went_well();
-    // All but the vertex 0 have 0.4; the five are corners of the seam or beside it.
+    // All vertices except vertex 0 have 0.4; the five are corners of the interface or beside it.
     assert!(read("a.off").lines().nth(1).unwrap().starts_with("65 "), "{}", read("a.off"));
     let nothing = "within: no triangle is inside 2,2,2,3,3,3; those of the input are within -1,-1,-1,1,1,1";
     run(path, "graded.ply c.off --within 2,2,2,3,3,3 --points 60").failed(2, &[nothing]);
@@ -421,7 +421,7 @@ fn attributes_are_carried_and_what_is_lost_is_said() {
     };
     assert_eq!(report("graded.ply a.ply"), serde_json::json!({ "carried": ["h"], "lost": [] }));
     assert!(std::fs::read(path.join("a.ply")).unwrap().starts_with(b"ply\n"));
-    // The property that was carried over can be used as a field again.
+    // The transferred property can be used as a field again.
     run(path, "a.ply b.ply --sizing h -q").went_well();
     let lost = report("graded.ply a.stl");
     assert_eq!(lost["lost"][0], serde_json::json!({ "name": "h", "cause": "STL has no place for it" }));
@@ -442,7 +442,7 @@ fn a_textured_file_stays_textured() {
     let written = std::fs::read_to_string(path.join("out.obj")).unwrap();
     assert!(written.starts_with("mtllib m.mtl\nv ") && written.contains("\nusemtl red\nf "));
     assert_eq!(written.lines().filter(|line| line.starts_with("vt ")).count(), 60);
-    // Texture coordinates belong to the same corners after they went through each format that has them.
+    // Texture coordinates belong to the same corners after passing through each format that has them.
     run(path, "square.obj a.glb --points 60 -q").went_well();
     run(path, "a.glb b.ply --points 50 -q").went_well();
     run(path, "b.ply c.obj --points 40 -q").went_well();

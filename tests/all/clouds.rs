@@ -1,4 +1,4 @@
-//! Point clouds: from points, as they come, to a finished mesh.
+//! Point clouds: from raw points to a finished mesh.
 
 use crate::common::cuboid;
 use glam::{DVec3, dvec3};
@@ -18,14 +18,14 @@ fn random() -> Random {
     stream(7, Stage::Candidates)
 }
 
-/// A random point of the unit sphere.
+/// Returns a random point of the unit sphere.
 fn on_sphere(rng: &mut Random) -> DVec3 {
     let (z, turn) = (2.0 * unit(rng) - 1.0, TAU * unit(rng));
     let r = (1.0 - z * z).sqrt();
     dvec3(r * turn.cos(), r * turn.sin(), z)
 }
 
-/// Random points of the unit sphere.
+/// Returns random points of the unit sphere.
 fn sphere(count: usize) -> Vec<DVec3> {
     let mut rng = random();
     (0..count).map(|_| on_sphere(&mut rng)).collect()
@@ -47,14 +47,14 @@ fn kind(mesh: &Mesh) -> Topology {
     topology(mesh.positions.len(), &mesh.triangles)
 }
 
-/// Euler characteristic, components and boundary loops of a mesh that has to be an oriented manifold.
+/// Returns the Euler characteristic, components and boundary loops of a mesh, which must be an oriented manifold.
 fn audit(mesh: &Mesh) -> (i64, usize, usize) {
     let t = kind(mesh);
     assert!(t.is_manifold() && t.is_oriented(), "{t:?}");
     (t.euler, t.components, t.boundary_loops)
 }
 
-/// Six times the volume within a closed mesh: positive if its faces look outwards.
+/// Returns six times the volume enclosed by a closed mesh: positive if its faces point outwards.
 fn volume(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
 }
@@ -108,7 +108,7 @@ fn duplicates_and_strays_are_left_out_and_counted() {
     let made = connect(&cloud(positions.clone()));
     assert_eq!(audit(&made.mesh), (2, 1, 0));
     assert_eq!((made.summary.duplicates, made.summary.outliers), (50, 3));
-    // Every vertex of the mesh is the point of the cloud that its origin names.
+    // Every vertex of the mesh is the cloud point given by its origin.
     assert_eq!(made.mesh.positions.len(), made.source.len());
     for (v, &p) in made.mesh.positions.iter().zip(&made.source) {
         assert_eq!(*v, positions[p as usize]);
@@ -129,7 +129,7 @@ fn nested_spheres_and_thin_walls_have_two_sides() {
     let inner: Vec<DVec3> = sphere(11_000).into_iter().map(|p| p * 0.93).collect();
     let made = connect(&cloud([outer, inner].concat()));
     assert_eq!(audit(&made.mesh), (4, 2, 0));
-    // A closed plate that is four spacings thick.
+    // A closed plate with a thickness of four spacings.
     let mut rng = random();
     let (half, area) = (dvec3(1.0, 1.0, 0.04), 4.0 + 4.0 + 4.0 * 0.16);
     let mut point = || {
@@ -163,7 +163,7 @@ fn holes_of_the_scan_stay_unless_they_are_to_be_filled() {
     let made = connect(&cloud(bowl.clone()));
     assert_eq!(audit(&made.mesh), (1, 1, 1));
     assert!(volume(&made.mesh) > 0.0);
-    // The hole is 1.2 across.
+    // The hole has a diameter of 1.2.
     let closed = connected(&cloud(bowl.clone()), &CloudOptions { fill_holes: 1.9, ..CloudOptions::default() });
     assert_eq!(audit(&closed.mesh), (2, 1, 0));
     let open = connected(&cloud(bowl), &CloudOptions { fill_holes: 1.0, ..CloudOptions::default() });
@@ -233,7 +233,7 @@ fn few_points_are_not_joined_by_flat_triangles() {
     assert!(bent < 0.5 * flat, "{bent} {flat}");
 }
 
-/// A slope of one in six whose heights are rounded to the lattice that its points are on.
+/// A slope of one in six whose heights are rounded to the lattice of its points.
 #[test]
 fn steps_of_points_on_a_lattice_are_no_sharp_edges() {
     let slope = |of_points| {
@@ -249,7 +249,7 @@ fn steps_of_points_on_a_lattice_are_no_sharp_edges() {
     assert!(quality.q_mean > 0.95, "{quality:?}");
 }
 
-/// `n` by `n` unit cells at a height that depends on x.
+/// Returns a sheet of `n` by `n` unit cells whose height depends on x.
 fn stepped_sheet(n: u32, height: impl Fn(f64) -> f64) -> Mesh {
     let at = |i: u32, j: u32| i * (n + 1) + j;
     let points = (0..=n).flat_map(|i| (0..=n).map(move |j| (f64::from(i), f64::from(j))));
@@ -310,8 +310,8 @@ fn no_surface_goes_through_them() {
     bad(CloudOptions { fill_holes: -1.0, ..CloudOptions::default() }, "size of holes");
 }
 
-/// Points on the faces of a box at all places with whole coordinates, those at an edge once for each of its faces, each with
-/// the normal of the face.
+/// Returns the points with integer coordinates on the faces of a box, each with the normal of its face; points on an edge
+/// occur once for each of its faces.
 fn box_on_a_lattice(size: [i32; 3]) -> Vec<(DVec3, DVec3)> {
     let mut points = Vec::new();
     for axis in 0..3 {
@@ -368,7 +368,7 @@ fn some_noise_is_smoothed_away_by_itself_and_told() {
     assert!(made.verified(), "{:?}", made.shortcomings);
     assert_eq!(audit(&made.mesh), (2, 1, 0));
     assert!(made.warnings.iter().any(|note| note.contains("a support radius of 2.7 spacings")), "{:?}", made.warnings);
-    // Without noise points stay where they are.
+    // Without noise, points stay where they are.
     assert_eq!(connect(&cloud(sphere(6_000))).summary.smoothed_by_itself, 0.0);
 }
 
@@ -394,13 +394,13 @@ fn noise_is_told_whatever_is_made_of_the_points_and_left_to_those_who_want_it() 
     }
 }
 
-/// A sphere, and a sheet of 25 points beside it.
+/// Returns a sphere, and a sheet of 25 points beside it.
 fn sphere_and_shred() -> Vec<DVec3> {
     let shred = (0..25).map(|i| dvec3(2.0, 0.05 * f64::from(i % 5), 0.05 * f64::from(i / 5)));
     sphere(3_000).into_iter().chain(shred).collect()
 }
 
-/// Points of an airborne scan: hills, and trees with points all through their crowns, over ground that is seen as well.
+/// Returns points of an airborne scan: hills, and trees with points throughout their crowns, above ground that also has points.
 fn forest() -> Vec<DVec3> {
     let mut rng = random();
     let ground = |x: f64, y: f64| 3.0 * (0.1 * x).sin() * (0.08 * y).cos();
@@ -430,7 +430,7 @@ fn terrain_with_trees_is_one_sheet_as_seen_from_above() {
     assert!(by_itself.shortcomings.is_empty(), "{:?}", by_itself.shortcomings);
     assert_eq!((audit(&by_itself.mesh), by_itself.mesh.positions.len()), ((1, 1, 1), 1200));
     assert!(by_itself.warnings[0].contains("look like terrain"), "{:?}", by_itself.warnings);
-    // It looks upwards, covers all of the ground, and trees are above that.
+    // The mesh faces upwards and covers all of the ground, with the trees above it.
     let seen: f64 = (0..by_itself.mesh.triangles.len()).map(|t| by_itself.mesh.area_vector(t).z / 2.0).sum();
     assert!((8700.0..9000.0).contains(&seen), "{seen}");
     let trees = by_itself.mesh.positions.iter().filter(|p| p.z > 6.0).count();

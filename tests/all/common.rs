@@ -1,4 +1,4 @@
-//! Shapes of known topology, and what every result is held to.
+//! Shapes of known topology, and checks that every result must pass.
 
 use glam::{DMat3, DVec3, dvec3};
 use spectral_remesh::Mesh;
@@ -7,7 +7,7 @@ use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
-/// Checks all that must hold for the arrays of a result, and gives its topology.
+/// Checks everything that must hold for the arrays of a result, and returns its topology.
 #[track_caller]
 pub fn audit(mesh: &Mesh) -> Topology {
     assert!(mesh.positions.iter().all(|p| p.is_finite()), "coordinates that are not finite");
@@ -20,14 +20,14 @@ pub fn audit(mesh: &Mesh) -> Topology {
     t
 }
 
-/// The volume that a closed mesh encloses, negative if it is inside out.
+/// Returns the volume enclosed by a closed mesh, negative if it is inside out.
 pub fn volume(mesh: &Mesh) -> f64 {
     let centre = mesh.positions.iter().sum::<DVec3>() / mesh.positions.len().max(1) as f64;
     let corners = (0..mesh.triangles.len()).map(|t| mesh.corners(t).map(|p| p - centre));
     corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
-/// The mesh with all positions moved by `f`.
+/// Returns the mesh with `f` applied to all positions.
 pub fn moved(mut mesh: Mesh, f: impl Fn(DVec3) -> DVec3) -> Mesh {
     mesh.positions.iter_mut().for_each(|p| *p = f(*p));
     mesh
@@ -38,13 +38,13 @@ pub fn rotated(mesh: Mesh, axis: DVec3, angle: f64) -> Mesh {
     moved(mesh, |p| m * p)
 }
 
-/// The mesh turned inside out.
+/// Returns the mesh turned inside out.
 pub fn inside_out(mut mesh: Mesh) -> Mesh {
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     mesh
 }
 
-/// Several meshes as one.
+/// Returns several meshes as one.
 pub fn together(parts: &[Mesh]) -> Mesh {
     let mut all = Mesh::default();
     for part in parts {
@@ -55,14 +55,14 @@ pub fn together(parts: &[Mesh]) -> Mesh {
     all
 }
 
-/// Every triangle with corners of its own.
+/// Returns the mesh with separate corners for every triangle.
 pub fn soup(mesh: &Mesh) -> Mesh {
     let positions: Vec<DVec3> = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
     let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     Mesh { positions, triangles }
 }
 
-/// The same surface with its vertices and triangles in another order, and other corners first.
+/// Returns the same surface with its vertices and triangles in random order, and the corners of triangles rotated.
 pub fn shuffled(mesh: &Mesh, rng: &mut Random) -> Mesh {
     let mut permutation = |n: usize| {
         let mut order: Vec<(u64, u32)> = (0..n as u32).map(|i| ((unit(rng) * 1e15) as u64, i)).collect();
@@ -83,7 +83,7 @@ pub fn shuffled(mesh: &Mesh, rng: &mut Random) -> Mesh {
     }
 }
 
-/// Every vertex moved at random by up to `size` along each axis.
+/// Returns the mesh with every vertex moved randomly by up to `size` along each axis.
 pub fn noisy(mesh: Mesh, size: f64, rng: &mut Random) -> Mesh {
     let mut mesh = mesh;
     for p in &mut mesh.positions {
@@ -92,7 +92,7 @@ pub fn noisy(mesh: Mesh, size: f64, rng: &mut Random) -> Mesh {
     mesh
 }
 
-/// How the ends of a grid of squares are joined.
+/// How two opposite ends of a grid of squares are joined.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Ends {
     Open,
@@ -101,8 +101,8 @@ pub enum Ends {
     Twisted,
 }
 
-/// A grid of `n` by `m` squares over the unit square, laid on a surface by `f`; its first direction runs from end to
-/// end as `along` says, its second one as `across` does.
+/// Returns a grid of `n` by `m` squares over the unit square, mapped to a surface by `f`. `along` says how the ends of the
+/// first direction are joined, `across` those of the second.
 pub fn grid(n: u32, m: u32, along: Ends, across: Ends, f: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let rows = if along == Ends::Open { n + 1 } else { n };
     let columns = if across == Ends::Open { m + 1 } else { m };
@@ -120,7 +120,7 @@ pub fn grid(n: u32, m: u32, along: Ends, across: Ends, f: impl Fn(f64, f64) -> D
     Mesh { positions, triangles }
 }
 
-/// A sphere around `centre`: an octahedron whose triangles are cut in four `level` times.
+/// Returns a sphere around `centre`: an octahedron whose triangles are divided into four `level` times.
 pub fn sphere(level: u32, centre: DVec3, radius: f64) -> Mesh {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
     let triangles = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
@@ -150,7 +150,7 @@ pub fn torus(n: u32, m: u32, large: f64, small: f64) -> Mesh {
     })
 }
 
-/// The surface of unit cells at integer places: two triangles for each face between a cell and none.
+/// Returns the surface of unit cells at integer places: two triangles for each face between a cell and empty space.
 pub fn cells(places: &[[i32; 3]]) -> Mesh {
     let filled: BTreeSet<[i32; 3]> = places.iter().copied().collect();
     let mut mesh = Mesh::default();
@@ -184,26 +184,26 @@ pub fn cells(places: &[[i32; 3]]) -> Mesh {
     mesh
 }
 
-/// A box of 12 triangles.
+/// Returns a box of 12 triangles.
 pub fn cuboid(size: DVec3) -> Mesh {
     moved(cells(&[[0; 3]]), |p| p * size)
 }
 
-/// A plate with `holes` holes in a row: a surface of that genus.
+/// Returns a plate with `holes` holes in a row: a surface of that genus.
 pub fn frame(holes: i32) -> Mesh {
     let inside = |x: i32, y: i32| y != 1 || x % 2 == 0;
     let all = (0..=2 * holes).flat_map(|x| (0..3).map(move |y| [x, y, 0]));
     cells(&all.filter(|c| inside(c[0], c[1])).collect::<Vec<_>>())
 }
 
-/// The twelve edges of a cube as bars: genus 5.
+/// Returns the twelve edges of a cube as bars: a surface of genus 5.
 pub fn cage() -> Mesh {
     let all = (0..27).map(|i| [i % 3, i / 3 % 3, i / 9]);
     cells(&all.filter(|c| c.iter().filter(|&&x| x == 1).count() <= 1).collect::<Vec<_>>())
 }
 
-/// A cylinder of `n` sides around z, from 0 to `height`, with caps of `n` triangles around a middle. A `top` of radius
-/// zero makes it a cone.
+/// Returns a cylinder of `n` sides around z, from 0 to `height`, with caps of `n` triangles around a centre. With a `top`
+/// radius of zero, it is a cone.
 pub fn cylinder(n: u32, radius: f64, top: f64, height: f64) -> Mesh {
     let ring = |r: f64, z: f64| (0..n).map(move |i| (TAU * f64::from(i) / f64::from(n), r, z));
     let place = |(a, r, z): (f64, f64, f64)| dvec3(r * a.cos(), r * a.sin(), z);
@@ -223,7 +223,7 @@ pub fn cylinder(n: u32, radius: f64, top: f64, height: f64) -> Mesh {
     mesh
 }
 
-/// A plate of the unit square with `n` by `n` squares on either face.
+/// Returns a plate over the unit square with `n` by `n` squares on each side.
 pub fn plate(n: i32, thickness: f64) -> Mesh {
     let all: Vec<[i32; 3]> = (0..n * n).map(|i| [i % n, i / n, 0]).collect();
     moved(cells(&all), |p| p / f64::from(n) * dvec3(1.0, 1.0, thickness * f64::from(n)))
@@ -237,7 +237,7 @@ pub fn moebius(n: u32, m: u32) -> Mesh {
     })
 }
 
-/// A closed surface with only one side, which crosses itself.
+/// Returns a closed surface with only one side, which intersects itself.
 pub fn klein_bottle(n: u32, m: u32) -> Mesh {
     grid(n, m, Ends::Twisted, Ends::Joined, |u, v| {
         let (a, b) = (TAU * u, TAU * v);
@@ -248,12 +248,12 @@ pub fn klein_bottle(n: u32, m: u32) -> Mesh {
     })
 }
 
-/// A wavy open sheet over the unit square.
+/// Returns a wavy open sheet over the unit square.
 pub fn sheet(n: u32, m: u32) -> Mesh {
     grid(n, m, Ends::Open, Ends::Open, |u, v| dvec3(u, v, 0.1 * (7.0 * u).sin() * (5.0 * v).cos()))
 }
 
-/// A sheet with three by three square holes.
+/// Returns a sheet with three by three square holes.
 pub fn sieve(n: u32) -> Mesh {
     let mut mesh = sheet(n, n);
     let hole = |x: f64| (0.25..0.6).contains(&(3.0 * x).fract());
@@ -274,7 +274,7 @@ pub fn annulus(n: u32, m: u32, inner: f64) -> Mesh {
     })
 }
 
-/// A rolled-up sheet of four turns whose layers are `gap` apart.
+/// Returns a rolled-up sheet of four turns whose layers are `gap` apart.
 pub fn spiral(n: u32, m: u32, gap: f64) -> Mesh {
     grid(n, m, Ends::Open, Ends::Open, |u, v| {
         let a = 4.0 * TAU * u;
@@ -283,14 +283,14 @@ pub fn spiral(n: u32, m: u32, gap: f64) -> Mesh {
     })
 }
 
-/// Ten spheres in a row, each half of the one before.
+/// Returns ten spheres in a row, each half the size of the previous one.
 pub fn ten_spheres() -> Mesh {
     let radius = |i: i32| 0.5f64.powi(i);
     let parts: Vec<Mesh> = (0..10).map(|i| sphere(3, dvec3(4.0 * (1.0 - radius(i)), 0.0, 0.0), radius(i))).collect();
     together(&parts)
 }
 
-/// A generator for tests.
+/// Returns a random number generator for tests.
 pub fn random(seed: u64) -> Random {
     spectral_remesh::stages::base::rng::stream(seed, spectral_remesh::stages::base::rng::Stage::Distance)
 }

@@ -1,4 +1,4 @@
-//! The models in `data/` are what `cargo run --example make_data` writes, byte for byte.
+//! Checks that the models in `data/` are what `cargo run --example make_data` writes, byte for byte.
 
 #[path = "../../examples/make_data/shapes/mod.rs"]
 mod shapes;
@@ -19,7 +19,7 @@ fn the_models_are_what_the_program_writes() {
     }
 }
 
-/// The wall of the shell is a sixth of the spacing: its faces cross with some samples, and others are tried.
+/// The wall of the shell is a sixth of the spacing thick: with some samples its faces intersect, and others are tried.
 #[test]
 #[ignore = "slow"]
 fn the_models_are_remeshed() {

@@ -1,4 +1,4 @@
-//! Clouds with more points than are of use: which are kept, in whatever order they come.
+//! Clouds with more points than are useful: which of them are kept, for any order of the points.
 
 use glam::{DVec3, dvec3};
 use spectral_remesh::io::file::{read_at_most, read_file, write_points_file};
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::PathBuf;
 
-/// Random points of a torus with their normals, in coordinates that f32 holds exactly, and a number each.
+/// Returns random points of a torus with their normals, in coordinates that are exact in f32, and a number for each point.
 fn torus(count: usize) -> (Points, Attributes) {
     let mut rng = stream(5, Stage::Candidates);
     let pairs = (0..count).map(|_| {
@@ -24,7 +24,7 @@ fn torus(count: usize) -> (Points, Attributes) {
     (points, Attributes { vertex: vec![label], ..Attributes::default() })
 }
 
-/// A folder that vanishes, and a file in it with so many points.
+/// Returns a temporary folder, and a file in it with `count` points.
 fn file(count: usize) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cloud.ply");
@@ -69,7 +69,7 @@ fn a_file_that_is_cut_short_or_has_a_point_nowhere_is_told_as_ever() {
     let mut nowhere = bytes.clone();
     let row = (bytes.len() - bytes.windows(11).position(|w| w == b"end_header\n").unwrap() - 11) / 3000;
     let at = bytes.len() - 7 * row;
-    // Whatever the type of the first coordinate is, this is no number.
+    // This is NaN for any type of the first coordinate.
     nowhere[at..at + 8].fill(0xff);
     assert!(message(&nowhere).contains("not finite"));
 }

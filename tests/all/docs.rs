@@ -1,4 +1,4 @@
-//! The pages for users: their commands run, their links lead somewhere, and their Rust is compiled.
+//! The documentation: its commands run, its links lead somewhere, and its Rust code is compiled.
 
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md, those of python/ and blender/, and all pages of docs/, relative to the root, in order.
+/// Returns the Markdown pages of the root, python/, blender/ and docs/, relative to the root and sorted.
 fn pages() -> Vec<String> {
     let names = root().join("docs").read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut pages: Vec<String> =
@@ -23,14 +23,14 @@ fn text(page: &str) -> String {
     read_to_string(root().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"))
 }
 
-/// The blocks of a page in one language.
+/// Returns the code blocks of a page in one language.
 fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
     let fences: Vec<&str> = text.split("\n```").collect();
     let inside = fences.iter().skip(1).step_by(2);
     inside.filter_map(|block| block.strip_prefix(language)?.strip_prefix('\n')).collect()
 }
 
-/// The shell blocks of a page that call the program.
+/// Returns the shell blocks of a page that call the program.
 fn scripts(text: &str) -> Vec<&str> {
     let calls = |block: &&str| block.lines().any(|line| line.starts_with("remesh "));
     blocks(text, "sh").into_iter().filter(calls).collect()
@@ -56,7 +56,7 @@ fn blocks_are_found_by_language() {
     assert_eq!(scripts(page), ["remesh a b"]);
 }
 
-/// Each page with commands is a test of its own, so that they run beside each other.
+/// Each page with commands is a separate test, so that they run in parallel.
 #[cfg(all(unix, feature = "cli"))]
 mod commands {
     use super::{pages, root, scripts, text};
@@ -79,7 +79,7 @@ mod commands {
         "docs/scan.md",
     ];
 
-    /// Runs the commands of a page in their order, as they stand there, in a folder that has `data/`, too.
+    /// Runs the commands of a page unchanged and in order, in a folder that also contains `data/`.
     #[track_caller]
     fn run(page: &str) {
         let folder = tempfile::tempdir().unwrap();

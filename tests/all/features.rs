@@ -1,5 +1,4 @@
-//! Sharp edges, corners and rims on shapes made for these tests: they come out where they were, and no triangle crosses
-//! them.
+//! Sharp edges, corners and rims on shapes made for these tests: they stay where they were, and no triangle crosses them.
 
 use crate::common::*;
 use glam::{DVec3, dvec3};
@@ -29,12 +28,12 @@ fn check(input: &Mesh, n: usize) -> Remeshed {
     check_with(input, n, Features::Automatic)
 }
 
-/// How far the nearest vertex is from `p`.
+/// Returns the distance from `p` to the nearest vertex.
 fn nearest(mesh: &Mesh, p: DVec3) -> f64 {
     mesh.positions.iter().map(|q| q.distance(p)).fold(f64::INFINITY, f64::min)
 }
 
-/// All triangles lie in one of the planes `n · p = d`, given as (n, d), with n outwards.
+/// Checks that every triangle lies in one of the planes `n · p = d`, given as (n, d), with n pointing outwards.
 #[track_caller]
 fn lies_in_planes(mesh: &Mesh, planes: &[(DVec3, f64)]) {
     for t in 0..mesh.triangles.len() {
@@ -46,7 +45,7 @@ fn lies_in_planes(mesh: &Mesh, planes: &[(DVec3, f64)]) {
     }
 }
 
-/// The least angle, the largest one and mean quality.
+/// Checks the smallest angle, the largest angle and the mean quality.
 #[track_caller]
 fn is_good(mesh: &Mesh, smallest: f64, largest: f64, mean: f64) {
     let s = shape(mesh).unwrap();
@@ -89,7 +88,7 @@ fn a_cylinder_keeps_its_rims_which_have_no_corner() {
     is_good(&made.mesh, 30.0, 110.0, 0.95);
 }
 
-/// A house of width 2 and length 3 whose roof bends by 20 degrees at the ridge.
+/// Returns a house of width 2 and length 3 whose roof has a dihedral angle of 20 degrees at the ridge.
 fn house() -> Mesh {
     let rise = 10f64.to_radians().tan();
     let gable = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0 + rise), (0.0, 1.0)];
@@ -130,7 +129,7 @@ fn a_threshold_above_all_edges_keeps_none() {
 #[ignore = "slow"]
 fn the_apex_of_a_cone_stays() {
     for top in [0.4, 1.0, 3.0] {
-        // The seed decides how near to an apex a sample lies.
+        // The seed determines how close to an apex a sample lies.
         let options = Options { seed: 6, ..Options::points(2000) };
         let made = remesh(&cylinder(120, 1.0, 0.0, top), &options, &()).unwrap();
         assert!(made.verified());
@@ -148,12 +147,12 @@ fn a_spike_ends_in_a_vertex_whatever_the_samples_are() {
         let off = nearest(&made.mesh, length * DVec3::Z);
         assert!(off < 1e-9, "seed {seed}: {off} from the apex");
         let [smallest, of_all] = [made.unforced_theta_min.unwrap(), shape(&made.mesh).unwrap().theta_min];
-        // They are taken in coordinates that are rounded differently.
+        // The two are measured in coordinates that are rounded differently.
         assert!(smallest > 30.0 && smallest > of_all - 1e-9, "seed {seed}: {smallest} {of_all}");
     }
 }
 
-/// A crease that ends inside of a face: folded at one end, flat at the other.
+/// A crease that ends inside a face: folded at one end, flat at the other.
 #[test]
 fn a_dart_ends_where_it_ends() {
     let fold = |u: f64, v: f64| dvec3(u, v, -(0.6 * (0.6 - u).max(0.0)) * (v - 0.5).abs());
@@ -173,7 +172,7 @@ fn curves_that_meet_in_a_corner_stay_joined() {
         let away = (u - 0.5).hypot(v - 0.5);
         dvec3(u, v, 0.5 * away * (2.0 * (6.0 * angle / TAU - (6.0 * angle / TAU).round()).abs() - 0.5))
     };
-    // Triangles around the middle, so that edges lie on the creases.
+    // Triangles in rings around the middle, so that edges lie on the creases.
     let n = 48;
     let ring = |r: u32, i: u32| {
         let (sin, cos) = (TAU * f64::from(i) / f64::from(n)).sin_cos();
@@ -193,7 +192,7 @@ fn curves_that_meet_in_a_corner_stay_joined() {
     assert!(made.sharp_curves >= 12, "{}", made.sharp_curves);
 }
 
-/// A bar two fifths of the spacing thick, and a block.
+/// A bar with a thickness of two fifths of the spacing, and a block.
 #[test]
 fn edges_are_short_where_sharp_edges_are_near_each_other() {
     let strip = moved(cuboid(dvec3(1.0, 0.014, 0.014)), |p| p + dvec3(0.0, 0.0, 0.5));
@@ -225,7 +224,7 @@ fn bodies_that_touch_along_an_edge_share_no_place() {
 #[test]
 fn a_plate_a_tenth_of_the_spacing_thick_stays_two_sheets() {
     let n = 1500;
-    // The spacing of so many vertices on two unit squares.
+    // The spacing of `n` vertices on two unit squares.
     let spacing = (2.0 * 2.0 / (3f64.sqrt() * n as f64)).sqrt();
     let size = dvec3(1.0, 1.0, 0.1 * spacing);
     let made = check(&cuboid(size), n);
@@ -249,7 +248,7 @@ fn scans_do_not_break_up_in_false_edges() {
     assert_eq!(check(&torus(60, 30, 3.0, 1.0), 1500).sharp_curves, 0);
 }
 
-/// The ends of edges of a mesh.
+/// Returns the end points of edges of a mesh.
 fn ends(mesh: &Mesh, edges: &[[u32; 2]]) -> Vec<[DVec3; 2]> {
     edges.iter().map(|edge| edge.map(|v| mesh.positions[v as usize])).collect()
 }
@@ -269,7 +268,7 @@ fn the_sharp_edges_that_were_kept_are_known() {
     assert_eq!((smooth.edges.sharp.len(), smooth.edges.left_out.len()), (0, 0));
 }
 
-/// A slice of a round cake, of so many degrees and that thickness.
+/// Returns a slice of a round cake, of the given angle and thickness.
 fn slice(degrees: f64, thickness: f64) -> Mesh {
     let (sin, cos) = degrees.to_radians().sin_cos();
     prism(&[[0.0, 0.0], [1.0, 0.0], [cos, sin]], 0.0, thickness)
@@ -287,7 +286,7 @@ fn where_two_sharp_edges_meet_at_a_small_angle_no_triangle_has_it() {
     assert!(made.left_out.deviation < 0.3 * made.spacing, "{:?}", made.left_out);
 }
 
-/// Faces cross at the tips of these before they are untangled.
+/// Before untangling, faces intersect at the tips of these slices.
 #[test]
 fn thin_slices_keep_their_corners() {
     for degrees in [5.0, 8.0] {
@@ -313,7 +312,7 @@ fn the_angle_at_a_sharp_tip_of_the_boundary_is_told_apart() {
 
 #[test]
 fn the_sharp_edges_that_were_left_out_are_known() {
-    // A step that is five thousandths high on a slab.
+    // A step with a height of five thousandths on a slab.
     let step =
         moved(cells(&[[0; 3], [1, 0, 0], [0, 0, 1]]), |p| dvec3(5.0 + p.x, p.y, if p.z == 2.0 { 1.005 } else { p.z }));
     let made = check(&step, 500);
@@ -321,7 +320,7 @@ fn the_sharp_edges_that_were_left_out_are_known() {
     let is_on_step = |p: &DVec3| (p.x - 6.0).abs() < 1e-9 && (p.z - 1.0).abs() < 0.011;
     assert!(left_out.iter().flatten().any(is_on_step), "{left_out:?}");
     assert!(left_out.iter().flatten().all(|p| p.z > 0.99), "{left_out:?}");
-    // The height of the step times the sine of its turn.
+    // The height of the step times the sine of its dihedral angle.
     let deviation = made.left_out.deviation;
     assert!(made.left_out.patches == 1 && (deviation - 0.005).abs() < 2e-4, "{:?}", made.left_out);
 }
@@ -340,7 +339,7 @@ fn the_lengths_that_were_wanted_are_known() {
     }
 }
 
-/// Of 43,200 triangles, far smaller than those wanted.
+/// The cube has 43,200 triangles, far smaller than those of the result.
 #[test]
 fn a_dense_cube_keeps_its_edges() {
     let n = 60;
@@ -350,7 +349,7 @@ fn a_dense_cube_keeps_its_edges() {
     lies_in_planes(&made.mesh, &faces.collect::<Vec<_>>());
 }
 
-/// A million vertices, far away and large or tiny: the same figures as for those at the origin.
+/// A million vertices, far from the origin and large or tiny: the figures are the same as at the origin.
 #[test]
 #[ignore = "slow"]
 fn a_million_vertices_at_any_place_and_scale() {
@@ -362,7 +361,7 @@ fn a_million_vertices_at_any_place_and_scale() {
     }
 }
 
-/// A prism over a convex `outline`, from `bottom` to `top`.
+/// Returns a prism over a convex `outline`, from `bottom` to `top`.
 fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
     let n = outline.len() as u32;
     let positions = outline.iter().flat_map(|&[x, y]| [dvec3(x, y, bottom), dvec3(x, y, top)]).collect();
@@ -374,8 +373,8 @@ fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Mesh {
 #[test]
 #[ignore = "slow"]
 fn a_wall_comes_out_sound_that_a_narrow_chamfer_parts_from_a_cavity() {
-    // Hollow blocks: without its chamfer, a twelfth of the spacing wide, the outer face may cut off an edge of the cavity. Whether it
-    // does is a matter of chance.
+    // Hollow blocks with a chamfer a twelfth of the spacing wide: without the chamfer, the outer face may cut off an edge of
+    // the cavity. Whether it does is a matter of chance.
     let wall = 0.005;
     for seed in 4..12 {
         let block = prism(&[[0., 0.], [10., 0.], [10., 10.], [0.05, 10.], [0., 9.95]], 0.0, 10.0);

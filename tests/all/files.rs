@@ -1,11 +1,11 @@
-//! Small, complete files of all formats, and checks of what is read from any bytes. The fuzzing in `fuzz/` uses them,
-//! too.
+//! Small, complete files of all formats, and checks of what is read from arbitrary bytes. The fuzzing in `fuzz/` also uses
+//! them.
 
 use glam::DVec3;
 use spectral_remesh::io::{self, Format, Loaded, NO_BUFFERS};
 use spectral_remesh::{Attribute, Attributes, Error, Mesh, Points, Scalar};
 
-/// An octahedron, in coordinates that f32 holds exactly.
+/// Returns an octahedron with coordinates that are exact in f32.
 pub fn octahedron() -> Mesh {
     let positions =
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.25], [0.0, 0.0, -3.0]];
@@ -19,7 +19,7 @@ pub fn written(mesh: &Mesh, format: Format) -> Vec<u8> {
     bytes
 }
 
-/// Files of every format and its variants, none of them broken.
+/// Returns valid files of every format and its variants.
 pub fn valid_files() -> Vec<(Format, Vec<u8>)> {
     let mut files: Vec<_> = Format::OF_MESHES.map(|format| (format, written(&octahedron(), format))).to_vec();
     let texts = [
@@ -78,7 +78,7 @@ pub fn valid_files() -> Vec<(Format, Vec<u8>)> {
     files
 }
 
-/// A triangle in MSH 4.1, binary.
+/// Returns a triangle in binary MSH 4.1.
 fn gmsh_file() -> Vec<u8> {
     let (ints, sizes) =
         (|x: [i32; 3]| x.map(i32::to_le_bytes).concat(), |x: &[u64]| x.iter().flat_map(|x| x.to_le_bytes()).collect());
@@ -98,7 +98,7 @@ fn gmsh_file() -> Vec<u8> {
     parts.concat()
 }
 
-/// A triangle in binary Medit.
+/// Returns a triangle in binary Medit.
 fn medit_file() -> Vec<u8> {
     let head = [1i32, 2, 3, 20, 3, 4, 116, 3].map(i32::to_le_bytes).concat();
     let vertex = |place: [f64; 3]| [place.map(f64::to_le_bytes).concat(), 0i32.to_le_bytes().to_vec()].concat();
@@ -107,7 +107,7 @@ fn medit_file() -> Vec<u8> {
     [head, vertices, faces].concat()
 }
 
-/// Files of points without triangles, none of them broken.
+/// Returns valid files of points without triangles.
 pub fn cloud_files() -> Vec<(Format, Vec<u8>)> {
     let (points, attributes) = scan();
     let written = |format| {
@@ -127,7 +127,7 @@ pub fn cloud_files() -> Vec<(Format, Vec<u8>)> {
     Format::OF_POINTS.into_iter().map(written).chain(others).collect()
 }
 
-/// Reads the bytes as every format, most of which they are not: each gives an error or a sound mesh.
+/// Reads the bytes as every format, most of which do not match: each reader must give an error or a sound mesh.
 pub fn read_as_anything(bytes: &[u8]) {
     let _ = Format::sniff(bytes);
     for format in Format::ALL {
@@ -135,7 +135,7 @@ pub fn read_as_anything(bytes: &[u8]) {
     }
 }
 
-/// Checks what is promised of any bytes, for what was read from a file of the name `name`.
+/// Checks what is promised for any bytes, given the result of reading them from a file called `name`.
 pub fn audit(read: Result<Loaded, Error>) -> Option<Loaded> {
     match read {
         Ok(loaded) => {
@@ -169,7 +169,7 @@ fn audit_error(error: &Error) {
     assert!(!message.contains(['\n', '\r']), "{message:?}");
 }
 
-/// An octahedron's vertices with what a scanner gives.
+/// Returns the vertices of an octahedron with the attributes that a scanner records.
 pub fn scan() -> (Points, Attributes) {
     let positions = octahedron().positions;
     let normals: Vec<DVec3> = positions.iter().map(|p| p.normalize()).collect();

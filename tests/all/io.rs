@@ -1,4 +1,4 @@
-//! Whatever the bytes, a reader gives a mesh or an error; what a writer writes is read as the same mesh.
+//! For any bytes, a reader gives a mesh or an error; what a writer writes is read back as the same mesh.
 
 use crate::common::{annulus, moved, together, torus};
 use crate::files::{cloud_files, octahedron, read_as_anything, scan, valid_files, written};
@@ -28,7 +28,7 @@ fn every_format_comes_back() {
 
 #[test]
 fn a_mesh_is_remeshed_alike_from_every_format() {
-    // A body and a sheet, with coordinates that single precision holds; STL has each corner by itself.
+    // A body and a sheet, with coordinates that are exact in single precision; STL stores each corner separately.
     let bodies = together(&[torus(20, 12, 1.0, 0.3), moved(annulus(12, 3, 0.5), |p| p + 2.0 * DVec3::Z)]);
     let mesh = moved(bodies, |p| p.as_vec3().as_dvec3());
     let of_format = |format| {
@@ -76,7 +76,7 @@ fn points_come_back_from_every_format_that_has_them() {
     }
 }
 
-/// The vertices as points, with their normals if the file has them.
+/// Returns the vertices as points, with their normals if the file has them.
 fn points_of(loaded: Loaded) -> Points {
     Points::new(loaded.mesh.positions, loaded.attributes.normals()).unwrap()
 }
@@ -99,7 +99,7 @@ fn clouds_are_read_from_all_that_holds_them() {
     }
 }
 
-/// An octahedron with everything: normals, colours, labels, textured faces of two materials.
+/// Returns an octahedron with all attributes: normals, colours, labels, textured faces of two materials.
 fn dressed() -> (Mesh, Attributes) {
     let (points, mut attributes) = scan();
     let values = points.normals().iter().flat_map(|n| n.to_array()).collect();
@@ -169,7 +169,7 @@ fn files_without_sense() {
     }
 }
 
-/// A valid file with some bytes put in place of others.
+/// Generates valid files in which some bytes are replaced.
 fn mutated() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         4 => any::<u8>().prop_map(|b| vec![b]),

@@ -1,4 +1,4 @@
-//! Meshes larger than memory, which become coarser while they are read.
+//! Meshes larger than memory, which are coarsened while they are read.
 
 use crate::common::*;
 use glam::DVec3;
@@ -14,7 +14,7 @@ fn remesh(folder: &Path, words: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_remesh")).current_dir(folder).args(words.split(' ')).output().unwrap()
 }
 
-/// A folder that vanishes, with a folder `temp` in it and `mesh` in a file of this name.
+/// Returns a temporary folder that contains a folder `temp`, and `mesh` in a file of this name.
 fn folder_with(name: &str, mesh: &Mesh, attributes: &Attributes) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("temp")).unwrap();
@@ -22,23 +22,23 @@ fn folder_with(name: &str, mesh: &Mesh, attributes: &Attributes) -> tempfile::Te
     folder
 }
 
-/// A torus of radii 1 and .4 and 100,000 vertices.
+/// Returns a torus with the radii 1 and 0.4 and 100,000 vertices.
 fn fine_torus() -> Mesh {
     torus(500, 200, 1.0, 0.4)
 }
 
-/// Remeshes the file of this name out of core to 1,000 vertices, `out.ply`, with these further words, and gives the report.
+/// Remeshes the file of this name out of core to 1,000 vertices in `out.ply`, with these extra arguments, and returns the report.
 fn report_of(folder: &Path, name: &str, words: &str) -> Value {
     let out = remesh(folder, &format!("{name} out.ply --points 1000 --temp temp --report r.json {words}"));
     let said = String::from_utf8(out.stderr).unwrap();
     assert_eq!(out.status.code(), Some(0), "{said}");
-    // Triangles are sorted in a file only where memory is short.
+    // Triangles are sorted in a file only if memory is short.
     assert_eq!(said.contains("MB of temporary files"), words.contains("--memory"), "{said}");
     assert_eq!(fs::read_dir(folder.join("temp")).unwrap().count(), 0);
     serde_json::from_str(&fs::read_to_string(folder.join("r.json")).unwrap()).unwrap()
 }
 
-/// How far the vertices are from the torus, at most.
+/// Returns the largest distance of a vertex from the torus.
 fn farthest(mesh: &Mesh) -> f64 {
     let far = |p: &DVec3| ((p.truncate().length() - 1.0).hypot(p.z) - 0.4).abs();
     mesh.positions.iter().map(far).fold(0.0, f64::max)
@@ -76,7 +76,7 @@ fn a_file_larger_than_the_memory_is_read_in_blocks_by_itself() {
 
 #[test]
 fn what_is_no_manifold_becomes_one() {
-    // Each triangle has corners of its own; they are in any order, some are turned over, some are there twice; and an
+    // Each triangle has its own corners; the triangles are in random order, some are flipped, some occur twice; and an
     // edge has a fin.
     let mut mesh = shuffled(&soup(&fine_torus()), &mut random(3));
     for t in (0..mesh.triangles.len()).step_by(1000) {
@@ -122,10 +122,10 @@ fn what_cannot_be_read_in_blocks_is_refused() {
     fs::write(home.join("wrong.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n4\n").unwrap();
     let bytes = fs::read(home.join("fine.ply")).unwrap();
     fs::write(home.join("short.ply"), &bytes[..bytes.len() - 100]).unwrap();
-    // The last corner.
+    // The last corner is out of range.
     let end = bytes.len() - 4;
     fs::write(home.join("wrong.ply"), [&bytes[..end], &[255, 255, 255, 0]].concat()).unwrap();
-    // The first face has four billion corners.
+    // The first face claims four billion corners.
     let head = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                 property float z\nelement face 100\nproperty list uint int vertex_indices\nend_header\n";
     fs::write(home.join("long.ply"), [head.as_bytes(), &[0; 36], &[255; 4_000_000]].concat()).unwrap();

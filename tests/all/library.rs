@@ -1,4 +1,4 @@
-//! The Rust of `docs/library.md`, compiled and run, and what the one call promises.
+//! The Rust code of `docs/library.md`, compiled and run, and the guarantees of [`remesh()`].
 
 use spectral_remesh::io::file::{read_file, write_file};
 use spectral_remesh::{Input, Options, remesh};
@@ -53,7 +53,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     glam::DVec3::from(a).distance(b.into())
 }
 
-/// The point that an origin names, between the vertices of an input.
+/// Returns the point of the input at which an origin lies.
 fn place(origin: &Origin, positions: &[[f64; 3]]) -> [f64; 3] {
     let at = |k: usize| (0..3).map(|i| origin.weights[i] * positions[origin.vertices[i] as usize][k]).sum();
     [0, 1, 2].map(at)
@@ -65,7 +65,7 @@ fn slices_are_graded() {
     assert_eq!(graded(&arrays(&cone), &cone.triangles).unwrap().len(), 2000);
 }
 
-/// Checks that vertices and triangles of a result are `near` the places that they are said to come from.
+/// Checks that vertices and triangles of a result are within `near` of their origins.
 fn know_where_they_came_from(input: &Mesh, points: usize, near: f64) {
     let outcome = remesh(&Input::from(input), &Options::points(points).into(), &()).unwrap();
     assert!(outcome.verified(), "{:?}", outcome.shortcomings);
@@ -102,7 +102,7 @@ fn components_without_room_for_their_shape_are_told() {
     let told = warnings(&together(&all), 500);
     assert!(told.len() == 1 && told[0].starts_with("30 components are smaller"), "{told:?}");
     assert!(told[0].contains("0.04 % of the area") && told[0].contains("has 128 triangles"), "{told:?}");
-    // Two of the same size have room, and a flat square of two triangles is as it was.
+    // Two spheres of the same size have room, and a flat square of two triangles stays as it was.
     assert!(warnings(&together(&[all[0].clone(), sphere(3, 3.0 * DVec3::X, 1.0)]), 500).is_empty());
     assert!(warnings(&together(&[all[0].clone(), sheet(1, 1)]), 100).is_empty());
 }
@@ -126,7 +126,7 @@ fn vertices_of_a_cloud_lie_between_its_points() {
 
 #[test]
 fn each_level_is_what_its_number_of_vertices_gives_alone() {
-    // Triangles of their own to join, and a cloud to lay a surface through.
+    // Separate triangles to join, and a cloud to mesh.
     let mesh = soup(&sphere(4, DVec3::ZERO, 1.0));
     let positions = arrays(&sphere(4, DVec3::ZERO, 1.0));
     for input in [Input::from(&mesh), Input::points(&positions)] {
@@ -213,7 +213,7 @@ fn arrays_that_make_no_mesh_are_refused_by_every_job() {
     assert_eq!(faults(&unknown, &none), [Fault::Coordinates; 5]);
 }
 
-/// Records all shares of the work that it is told.
+/// A monitor that records every reported share of the work.
 #[derive(Default)]
 struct Shares(Mutex<Vec<f64>>);
 
@@ -226,7 +226,7 @@ impl Monitor for Shares {
 #[test]
 #[ignore = "slow"]
 fn progress_never_falls() {
-    // A wall far thinner than the spacing takes several attempts, a bound of the error several counts.
+    // A wall far thinner than the spacing takes several attempts, an error bound several vertex counts.
     let wall = plate(12, 0.004);
     let bounded = Options { density: Density::Auto, max_error: Some(MaxError::OfDiagonal(0.02)), ..Options::default() };
     let cloud = Input::points(&arrays(&sphere(3, DVec3::ZERO, 1.0)));

@@ -1,5 +1,5 @@
-//! What users see of the library and of the program, tested in one binary, which is compiled and linked once. Each module
-//! is a subject: `cargo test --test all sampling` runs one.
+//! Tests of the library and the program as users see them, in one binary that is compiled and linked once. Each module is a
+//! subject: `cargo test --test all sampling` runs one of them.
 
 #![allow(clippy::disallowed_methods)]
 

@@ -1,4 +1,4 @@
-//! Materials, their libraries and images: what an OBJ names beside it, and what GLB has within.
+//! Materials with their libraries and images: those that an OBJ refers to, and those embedded in a GLB.
 
 use spectral_remesh::io::Format;
 use spectral_remesh::io::file::{read_file, write_file};
@@ -13,7 +13,7 @@ const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0
 const MTL: &str = "newmtl wood\nNs 100\nmap_Kd -s 2 2 2 images\\my wood.png\nnewmtl glass\nd 0.5\n";
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n1234";
 
-/// A folder with an OBJ, its library, its image, and a folder to write to.
+/// Returns a folder with an OBJ, its material library, its image, and a folder to write to.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in ["in/images", "out/deep"] {
@@ -26,7 +26,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// Reads one file and writes what it is to the other; the attributes and notes of the first.
+/// Reads `from`, writes its content to `to`, and returns the attributes and notes of `from`.
 fn converted(folder: &Path, from: &str, to: &str) -> (Attributes, Vec<String>) {
     let loaded = read_file(&folder.join(from), None).unwrap();
     write_file(&folder.join(to), &loaded.mesh, &loaded.attributes, None).unwrap();

@@ -1,4 +1,4 @@
-//! Reports as pages: what is in the file. What a browser makes of it is tested by `viewer/test/`.
+//! Reports as HTML pages: the content of the file. `viewer/test/` tests how a browser shows it.
 
 use crate::common::*;
 use glam::DVec3;
@@ -10,13 +10,13 @@ use spectral_remesh::{Mesh, quality};
 use std::path::Path;
 use std::process::Command;
 
-/// Runs the program in `folder`, and gives its exit status.
+/// Runs the program in `folder` and returns its exit status.
 fn run(folder: &Path, words: &[&str]) -> i32 {
     let ran = Command::new(env!("CARGO_BIN_EXE_remesh")).current_dir(folder).args(words).output().unwrap();
     ran.status.code().unwrap_or(-1)
 }
 
-/// A folder with `cube.off`, `ball.off` and `points.xyz`.
+/// Returns a folder with `cube.off`, `ball.off` and `points.xyz`.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     save(folder.path(), "cube.off", &cuboid(DVec3::splat(2.0)));
@@ -33,8 +33,8 @@ fn save(folder: &Path, name: &str, mesh: &Mesh) {
     std::fs::write(folder.join(name), bytes).unwrap();
 }
 
-/// The page that a run writes to `r.html`, after what must hold for all pages: it asks for nothing from elsewhere, and its
-/// JSON can be read.
+/// Returns the page that a run writes to `r.html`, after checking what must hold for all pages: the page loads nothing from
+/// elsewhere, and its JSON can be parsed.
 fn page_of(folder: &Path, words: &str, status: i32) -> String {
     let words: Vec<&str> = words.split(' ').chain(["--report", "r.html"]).collect();
     assert_eq!(run(folder, &words), status);
@@ -48,7 +48,7 @@ fn audit_page(page: &str) {
         assert!(!page.contains(outside), "{outside}");
     }
     assert!(page.contains("content=\"default-src 'none';") && page.ends_with("</html>\n"));
-    // In base64 any letters may follow each other.
+    // In base64, any sequence of letters may occur.
     let is_base64 = |c: char| c.is_ascii_alphanumeric() || "+/=".contains(c);
     let mut words = page.split(|c| !is_base64(c)).filter(|word| word.len() < 1000);
     assert!(!page.contains("{{") && !words.any(|word| word.contains("NaN")));
@@ -59,13 +59,13 @@ fn audit_page(page: &str) {
     embedded(page, "scene");
 }
 
-/// The JSON of a script element.
+/// Returns the JSON of a script element.
 fn embedded(page: &str, id: &str) -> Value {
     let (_, rest) = page.split_once(&format!("<script type=\"application/json\" id=\"{id}\">")).unwrap();
     serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
 }
 
-/// How many bytes a member of the scene has.
+/// Returns the number of bytes of a member of the scene.
 fn size(text: &Value) -> usize {
     let text = text.as_str().unwrap();
     text.len() / 4 * 3 - text.bytes().rev().take_while(|&b| b == b'=').count()
@@ -147,7 +147,7 @@ fn what_is_not_verified_says_so_and_leads_to_the_place() {
     assert!(page.contains(">Not verified<") && page.contains("the distance to the input is up to"));
     assert!(page.contains("Look at <a href=\"#view\" data-place=\"0\">"));
     let [x, y, z] = [0, 1, 2].map(|k| embedded(&page, "scene")["places"][0]["point"][k].as_f64().unwrap());
-    // In units of half the diagonal of the box around a unit sphere.
+    // In units of half the diagonal of the bounding box of a unit sphere.
     assert!((DVec3::new(x, y, z).length() - 3f64.sqrt().recip()).abs() < 0.05);
 }
 
@@ -208,14 +208,14 @@ fn large_meshes_are_pictures() {
     let pictures: Vec<&str> = page.split("src=\"data:image/png;base64,").skip(1).collect();
     assert_eq!(pictures.len(), 3);
     let base64 = pictures[0].split('"').next().unwrap();
-    // The torus takes about half of the picture.
+    // The torus covers about half of the picture.
     let pixels = decoded(base64);
     let drawn = pixels.chunks_exact(4).filter(|pixel| pixel[3] == 255).count() as f64;
     assert!((0.2..0.7).contains(&(4.0 * drawn / pixels.len() as f64)));
     assert!(page.len() < 4_000_000, "{}", page.len());
 }
 
-/// The pixels of a picture as base64.
+/// Returns the pixels of a picture given as base64.
 fn decoded(base64: &str) -> Vec<u8> {
     let digit = |c: u8| match c {
         b'A'..=b'Z' => c - b'A',

@@ -1,4 +1,4 @@
-//! Whatever the input and the options: a result that is verified is sound, any other one says why, and there is an end.
+//! For any input and options: a verified result is sound, any other result says why, and every run ends.
 //!
 //! `REMESH_CASES=2000 cargo test --release --test all properties` tries more cases, and `REMESH_CASES=17..18` tries one again.
 
@@ -10,15 +10,15 @@ use spectral_remesh::stages::base::rng::unit;
 use std::panic::catch_unwind;
 use std::time::Duration;
 
-/// The cases that are tried if nothing else is said, and the bytes of one.
+/// Number of cases tried by default, and the bytes of one case.
 const CASES: &str = "50";
 const BYTES: usize = 160;
 
-/// Far more time than any case takes, and how much more it may take for each point.
+/// Time limit, far above what any case takes, and the additional time per point.
 const TIME: Duration = Duration::from_secs(60);
 const TIME_OF_POINT: Duration = Duration::from_millis(10);
 
-/// Bytes of a case, the same ones everywhere.
+/// Returns the bytes of a case, the same on every machine.
 fn bytes(case: u64) -> Vec<u8> {
     let mut rng = crate::common::random(case);
     (0..BYTES).map(|_| (256.0 * unit(&mut rng)) as u8).collect()
@@ -30,7 +30,7 @@ fn any_job_is_verified_or_says_why_it_is_not() {
     let asked = std::env::var("REMESH_CASES").unwrap_or(CASES.into());
     let number = |text: &str| text.parse::<u64>().unwrap_or_else(|e| panic!("REMESH_CASES={asked}: {e}"));
     let (first, end) = asked.split_once("..").map_or_else(|| (0, number(&asked)), |(a, b)| (number(a), number(b)));
-    // The cases that are always tried have few points, some of the others many.
+    // The cases that are always tried have few points; some of the others have many.
     let most_points = |case: u64| match case {
         0..50 => 500,
         _ if case.is_multiple_of(25) => 50_000,

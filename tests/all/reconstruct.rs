@@ -1,4 +1,4 @@
-//! Clouds become dense meshes of their implicit surface.
+//! Reconstruction: clouds become dense meshes of their implicit surface.
 
 use crate::common::{audit, moved, noisy, random, sphere, together, torus, volume};
 use glam::{DVec3, dvec3};
@@ -33,7 +33,7 @@ fn a_ball_is_closed_round_and_faces_outwards() {
         assert_eq!((topology.euler, topology.boundary_loops, topology.components), (2, 0, 1));
         assert!((resolution - 0.5 * spacing).abs() < 1e-12);
         let off = |p: &DVec3| (p.distance(dvec3(5.0, -3.0, 1.0)) - 2.0).abs();
-        // Planes through points that reach h lie outside of a ball of radius R by h² / 12 R in the mean.
+        // Planes through points with support radius h lie outside a ball of radius R by h² / 12 R on average.
         let outside = (INTERPOLATING_SUPPORT * spacing).powi(2) / (12.0 * 2.0);
         let farthest = mesh.positions.iter().map(off).fold(0.0, f64::max);
         assert!(farthest < 2.5 * outside, "{farthest} {outside}");
@@ -63,7 +63,7 @@ fn a_torus_and_nested_balls() {
     assert_eq!((t.euler, t.components, t.boundary_loops), (4, 2, 0));
 }
 
-/// The two sides of a disk that is hardly as thick as its points reach.
+/// The two sides of a disk that is hardly thicker than the support radius of its points.
 #[test]
 #[ignore = "slow"]
 fn a_thin_wall_has_two_sides_and_no_others() {
@@ -102,7 +102,7 @@ fn noise_is_smoothed() {
     }
 }
 
-/// Random points have gaps of three times their mean distance.
+/// Random points have gaps of three times their mean spacing.
 #[test]
 fn random_points_have_no_holes() {
     let ball = with_normals(&sphere(6, DVec3::ZERO, 1.0));

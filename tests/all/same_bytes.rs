@@ -1,16 +1,16 @@
-//! The same bytes on every processor and for any number of threads, of the program as it is run.
+//! Checks that the program writes the same bytes on every processor and with any number of threads.
 //!
-//! The system's C library chooses its elementary functions by what the processor can do. glibc can be told to go without
-//! fused multiply-add, which is another processor for all that the library might ask of it.
+//! The system's C library chooses its elementary functions by the abilities of the processor. glibc can be told not to use
+//! fused multiply-add, which simulates another processor for any elementary function that the program might call.
 
 use spectral_remesh::io::file::read_file;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The setting of glibc that hides what its faster functions need, under the names of new and old versions.
+/// The glibc setting that hides the processor features that its faster functions need, by their names in new and old versions.
 const WITHOUT_FMA: &str = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable";
 
-/// Arguments of the runs, but for the file that they write.
+/// Command and input file of each run; its output file and further arguments.
 const RUNS: [(&str, &str); 6] = [
     ("blob.obj", "out.obj --points 600"),
     ("bracket.stl", "out.obj --points 800"),
@@ -20,7 +20,7 @@ const RUNS: [(&str, &str); 6] = [
     ("cloud.xyz", "out.obj --points 600 --smooth"),
 ];
 
-/// The bytes that the program writes to `out`, run in `folder` with `words`.
+/// Runs the program in `folder` with `words`, and returns the bytes that it writes to `out`.
 fn written(folder: &Path, words: &str, out: &str, tunables: &str) -> Vec<u8> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_remesh"));
     command.current_dir(folder).args(words.split_whitespace()).stdin(Stdio::null()).env("GLIBC_TUNABLES", tunables);
@@ -32,7 +32,7 @@ fn written(folder: &Path, words: &str, out: &str, tunables: &str) -> Vec<u8> {
     bytes
 }
 
-/// The folder that the runs are in: models of `data/`, and the vertices of one as a cloud.
+/// Returns the working folder of the runs, with models of `data/` and the vertices of one of them as a cloud.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");

@@ -4,7 +4,7 @@ use glam::DVec3;
 use spectral_remesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What stays the same of a surface that is remeshed.
+/// The topology of a surface, which remeshing keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
     pub euler: i64,
@@ -12,13 +12,13 @@ pub struct Kind {
     pub boundary_loops: usize,
 }
 
-/// The topology of an oriented manifold, or what is wrong with any other mesh.
+/// Returns the topology of an oriented manifold; for any other mesh, returns what is wrong with it.
 pub fn kind(mesh: &Mesh) -> Result<Kind, String> {
     let Mesh { positions, triangles } = mesh;
     if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("vertex {v} is not finite"));
     }
-    // The next vertex around each, from the side of a face: a fan is a chain of these.
+    // For each vertex, the next neighbour around it within each face: a fan is a chain of these.
     let mut around: Vec<BTreeMap<u32, u32>> = vec![BTreeMap::new(); positions.len()];
     for &[a, b, c] in triangles {
         if [a, b, c].iter().any(|&v| v as usize >= positions.len()) || a == b || b == c || c == a {
@@ -58,7 +58,7 @@ pub fn kind(mesh: &Mesh) -> Result<Kind, String> {
     })
 }
 
-/// The sets that `count` things make where some are joined.
+/// Returns the number of sets into which `count` items fall when some are joined.
 fn sets(count: usize, joined: impl Iterator<Item = [u32; 2]>) -> usize {
     let mut parent: Vec<u32> = (0..count as u32).collect();
     fn root(parent: &mut [u32], mut v: u32) -> u32 {
@@ -79,10 +79,10 @@ fn sets(count: usize, joined: impl Iterator<Item = [u32; 2]>) -> usize {
     sets
 }
 
-/// Depth up to which faces touch, as a share of the diagonal of their mesh: what the program says that it takes for contact.
+/// Depth up to which intersecting faces count as touching, relative to the diagonal of the mesh, as the program documents it.
 const CONTACT: f64 = 1e-6;
 
-/// Two faces of which an edge of one goes through the inside of the other, and which do not only touch, if there are such.
+/// Returns two faces, an edge of one of which passes through the inside of the other by more than contact, if any exist.
 pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
     let bounds =
         mesh.positions.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &p| [low.min(p), high.max(p)]);
@@ -107,14 +107,14 @@ pub fn crossing(mesh: &Mesh) -> Option<[u32; 2]> {
     None
 }
 
-/// Whether `face` has corners farther than `depth` from the plane of `other` on both sides of that.
+/// Returns whether `face` has corners farther than `depth` from the plane of `other` on both sides of it.
 fn is_on_both_sides(face: [DVec3; 3], other: [DVec3; 3], depth: f64) -> bool {
     let normal = (other[1] - other[0]).cross(other[2] - other[0]).normalize_or_zero();
     let heights = face.map(|p| (p - other[0]).dot(normal));
     heights.iter().any(|&height| height > depth) && heights.iter().any(|&height| height < -depth)
 }
 
-/// How long the part of a `face` in the plane of another one is that lies within the other one.
+/// Returns the length of the part of `face` in the plane of `other` that lies within `other`.
 fn length_in_common(face: [DVec3; 3], other: [DVec3; 3]) -> f64 {
     let normal = (other[1] - other[0]).cross(other[2] - other[0]).normalize_or_zero();
     let height = |p: DVec3| (p - other[0]).dot(normal);
@@ -141,7 +141,7 @@ fn length_in_common(face: [DVec3; 3], other: [DVec3; 3]) -> f64 {
     (to - from).max(0.0) * p.distance(q)
 }
 
-/// Whether an edge of face `s` that has no corner of face `t` goes through the inside of that, decided exactly.
+/// Returns whether an edge of face `s` that shares no corner with face `t` passes through the inside of `t`, decided exactly.
 fn goes_through(mesh: &Mesh, s: u32, t: u32) -> bool {
     let face = mesh.triangles[t as usize];
     let corners = mesh.triangles[s as usize];

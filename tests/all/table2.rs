@@ -1,5 +1,5 @@
-//! The idea of the paper's Table 2: what is lost of a surface that is reconstructed from the points that the scan keeps
-//! grows with σp, and is less than with as many points chosen at random or one a voxel.
+//! The idea of the paper's Table 2: the loss of a surface reconstructed from the points kept by the scan grows with σp, and
+//! is less than with equally many points chosen at random or one per voxel.
 
 use crate::common::{Ends, grid};
 use glam::{DVec3, dvec3};
@@ -10,20 +10,20 @@ use spectral_remesh::{Mesh, Points, ReconstructOptions, Result, SampleDensity, S
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// σp of the table's rows, and its σn.
+/// The values of σp in the table's rows, and its σn.
 const WIDTHS: [f64; 3] = [0.5, 0.75, 1.0];
 const SIGMA_N: f64 = 0.75;
 
-/// Edge length of the cells that surfaces are extracted with.
+/// Edge length of the cells with which surfaces are extracted.
 const RESOLUTION: f64 = 0.65;
 
-/// Points on each surface that their distance is measured at.
+/// Number of points on each surface at which their distance is measured.
 const SAMPLES: usize = 20_000;
 
 #[test]
 #[ignore = "slow"]
 fn less_is_lost_with_the_points_that_the_scan_keeps() {
-    // A ring with bumps, whose points are half as far apart as those that the narrowest kernel keeps.
+    // A bumpy ring whose points are half as far apart as those kept with the narrowest kernel.
     let bumpy = grid(520, 66, Ends::Joined, Ends::Joined, |u, v| {
         let (a, b) = (TAU * u, TAU * v);
         let small = 4.0 + 0.5 * (24.0 * a).sin() * (3.0 * b).cos();
@@ -40,14 +40,14 @@ fn less_is_lost_with_the_points_that_the_scan_keeps() {
     assert!(rows.is_sorted_by(|a, b| a.sigma_p < b.sigma_p && a.points > b.points));
 }
 
-/// RMS and Hausdorff distance, in units of which the diagonal of the bounding box has 100.
+/// RMS and Hausdorff distance, in percent of the diagonal of the bounding box.
 #[derive(Debug, Clone, Copy)]
 struct Lost {
     rms: f64,
     hausdorff: f64,
 }
 
-/// What is lost with as many points as the scan keeps for one σp.
+/// The loss with as many points as the scan keeps for one σp.
 #[derive(Debug)]
 struct Row {
     sigma_p: f64,
@@ -57,7 +57,7 @@ struct Row {
     voxels: Lost,
 }
 
-/// The rows of the table for a model, scaled to a bounding box with a diagonal of 100.
+/// Returns the rows of the table for a model, scaled to a bounding box with a diagonal of 100.
 fn rows(model: &Points) -> Result<Vec<Row>> {
     let points = scaled(model);
     let options = ReconstructOptions { resolution: Some(RESOLUTION), ..Default::default() };
@@ -79,7 +79,7 @@ fn rows(model: &Points) -> Result<Vec<Row>> {
 
 fn lost(made: &Mesh, whole: &Mesh) -> Lost {
     let d = distance(made, whole, SAMPLES, 0).expect("both have triangles");
-    // Percents of a diagonal that is about 100.
+    // Percent of a diagonal of about 100.
     Lost { rms: d.rms, hausdorff: d.hausdorff }
 }
 
@@ -96,7 +96,7 @@ fn part_of(points: &Points, part: &[u32]) -> Points {
     Points::new(of(points.positions()), of(points.normals())).unwrap()
 }
 
-/// `wanted` of `count` numbers at random.
+/// Returns `wanted` random numbers below `count`, without repetition.
 fn random(count: usize, wanted: usize) -> Vec<u32> {
     let mut rng = stream(1, Stage::Scan);
     let mut drawn: Vec<(u64, u32)> = (0..count as u32).map(|i| (rng.next_u64(), i)).collect();
@@ -105,7 +105,7 @@ fn random(count: usize, wanted: usize) -> Vec<u32> {
     drawn.into_iter().map(|d| d.1).collect()
 }
 
-/// The point nearest to the middle of each voxel that has some, for the voxels with which these are about `wanted`.
+/// Returns the point nearest to the centre of each occupied voxel; the voxel size is chosen to give about `wanted` points.
 fn voxels(positions: &[DVec3], wanted: usize) -> Vec<u32> {
     let (mut narrow, mut wide) = (1e-3, 100.0);
     for _ in 0..30 {

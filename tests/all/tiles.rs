@@ -1,4 +1,5 @@
-//! Clouds that are sampled tile by tile: the same for any tiling, like those sampled as a whole, and nothing is left behind.
+//! Clouds sampled tile by tile: the samples are the same for any tiling and similar to those of the whole cloud, and no
+//! temporary files remain.
 
 use glam::{DVec3, dvec3};
 use spectral_remesh::io::file::{read_file, write_points_file};
@@ -17,12 +18,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder that vanishes, and in it a file of random points of a torus, across the origin, with normals or without.
+/// Returns a temporary folder and a file in it with random points of a torus around the origin, with or without normals.
 fn cloud(count: usize, with_normals: bool) -> (tempfile::TempDir, PathBuf) {
     stretched(count, with_normals, 1.0)
 }
 
-/// The same for a torus that is so many times as long as it is wide.
+/// Like [`cloud`], for a torus `length` times as long as it is wide.
 fn stretched(count: usize, with_normals: bool, length: f64) -> (tempfile::TempDir, PathBuf) {
     let mut rng = stream(5, Stage::Candidates);
     let pairs: Vec<(DVec3, DVec3)> = (0..count)
@@ -46,7 +47,7 @@ fn options(points: usize, tiles: usize) -> PlanOptions {
     PlanOptions { sample, memory: u64::MAX, tiles }
 }
 
-/// Gives the points of a file colours that go by where they are, and a label for each side of the plane x = 0.
+/// Gives the points of a file colours that depend on their position, and a label for each side of the plane x = 0.
 fn color(path: &Path) {
     let loaded = read_file(path, None).unwrap();
     let of_points = |name: &str, components: usize, scalar: Scalar, values: &dyn Fn(DVec3) -> Vec<f64>| {
@@ -64,7 +65,7 @@ fn color_at(p: DVec3) -> DVec3 {
     128.0 + 100.0 * (p / dvec3(24.0, 4.0, 1.0))
 }
 
-/// The samples of a file, but for what is said of tiles, and how many tiles there were.
+/// Returns the samples of a file, without the notes on tiles, and the number of tiles.
 fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
     let work = tempfile::tempdir().unwrap();
     let folder = TileFolder::at(work.path()).unwrap();
@@ -114,7 +115,7 @@ fn any_tiling_gives_the_same_sound_mesh() {
         (mesh.unwrap(), plan)
     };
     let ((mesh, carried), plan) = meshed(1, 2);
-    // Pieces of all rounds have triangles.
+    // Pieces of all rounds contain triangles.
     assert!(plan.tiles.len() == 1 && rounds(&plan).len() == 5);
     let report = Report::of_pieces(&mesh, &carried, plan.wanted);
     let t = &report.output.topology;
@@ -131,7 +132,7 @@ fn any_tiling_gives_the_same_sound_mesh() {
     assert!(plan.tiles.len() >= 4 && other == (mesh, carried));
 }
 
-/// Whether the vertices have about the colours and the labels of [`color`] there, and normals of their own.
+/// Checks that the vertices have about the colours and labels that [`color`] gives there, and newly computed normals.
 fn has_attributes_of_near_points(mesh: &Mesh, Carried { attributes, lost, .. }: &Carried, edge: f64) {
     assert!(lost.is_empty() && attributes.names().len() == 3, "{:?} {lost:?}", attributes.names());
     let [colors, sides] = ["color", "label"].map(|name| attributes.get(name).unwrap());
@@ -166,7 +167,7 @@ fn a_subset_is_of_the_input_in_any_tiling() {
     assert!(numbers.iter().zip(whole.points.positions()).all(|(&i, p)| all[i as usize] == *p));
 }
 
-/// Mean and deviation of the distance of points to the nearest other one.
+/// Returns the mean and standard deviation of the distance of points to their nearest neighbour.
 fn nearest(points: &[DVec3]) -> (f64, f64) {
     let near = spectral_remesh::stages::spatial::kdtree::Neighbors::new(points);
     let mut found = Vec::new();
@@ -192,7 +193,7 @@ fn samples_are_like_those_of_the_whole() {
     assert_eq!((parts.points.positions().len(), tiles >= 4), (whole.points.positions().len(), true));
     let ((mean, deviation), (expected, usual)) = (nearest(parts.points.positions()), nearest(whole.points.positions()));
     assert!((mean / expected - 1.0).abs() < 0.01 && deviation < 1.3 * usual, "{mean} {expected} {deviation} {usual}");
-    // On the torus, up to a twentieth of their distance, and with normals that look outwards.
+    // Samples lie on the torus within a twentieth of their spacing, and their normals point outwards.
     let outwards = |p: DVec3| p - 3.0 * p.with_z(0.0).normalize();
     let off = parts.points.positions().iter().map(|p| (outwards(*p).length() - 1.0).abs()).fold(0.0, f64::max);
     assert!(off < 0.05 * mean, "{off} {mean}");
@@ -226,7 +227,7 @@ fn what_is_missing_in_a_folder_is_one_line() {
     failed((0..plan.tiles.len()).try_for_each(|tile| sample_one(&folder, tile, &())), "shorter than it was");
     fs::write(&path, &fs::read(&path).unwrap()[..1000]).unwrap();
     failed(make_plan(&path, None, &folder, &options(3000, 4), &()).map(drop), "cannot be read in pieces");
-    // A plan that was not finished is no plan: the last point of this one is nowhere.
+    // An unfinished plan does not count as a plan: the last point of this file is not finite.
     let (_other, path) = cloud(40_000, true);
     let mut bytes = fs::read(&path).unwrap();
     let last = bytes.len() - 48;
@@ -310,7 +311,7 @@ mod command {
         }
         assert!(fs::read(home.join("a.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());
         assert_eq!(read_file(&home.join("a.ply"), None).unwrap().mesh.positions.len(), 21_000);
-        // What pieces cannot be is made as a whole, and so is what is too noisy for them, or too sparse.
+        // A cloud is meshed as a whole if a request rules out pieces, or if it is too noisy or too sparse for them.
         let smooth = read_file(&home.join("cloud.ply"), None).unwrap();
         let mut rng = stream(7, Stage::Candidates);
         let lifted = smooth.mesh.positions.iter().zip(smooth.attributes.normals());
@@ -324,7 +325,7 @@ mod command {
         assert!(remesh(home, "tiles plan thick.ply noisy --points 21000").status.success());
         let refused = String::from_utf8(remesh(home, "tiles mesh noisy 0").stderr).unwrap();
         assert!(refused.contains("noise of its points is larger than their distance"), "{refused}");
-        // What is finished of an interrupted run is not made again: here its plan is said to be of this file.
+        // Finished work of an interrupted run is not repeated: here, its plan is recorded as belonging to this file.
         fs::rename(home.join("work"), home.join("temp/c.ply.remesh-tiles")).unwrap();
         let kept = TileFolder::at(&home.join("temp/c.ply.remesh-tiles")).unwrap();
         let sample = SampleOptions { density: SampleDensity::Points(21_000), ..SampleOptions::default() };
@@ -378,7 +379,7 @@ mod command {
         fails(&format!("{line} temp --levels 3"), 2, "--levels: tiles are in no progressive order");
         fails("sample cloud.ply a.ply --points 3000 --resume", 2, "--temp");
         fails("sample cloud.ply a.ply --points 3000 --out-of-core --memory much", 2, "400M");
-        // A point that is nowhere, in the middle of the file.
+        // A point that is not finite, in the middle of the file.
         let mut bytes = fs::read(&path).unwrap();
         let middle = bytes.len() - 30_000 * 48;
         bytes[middle..middle + 8].copy_from_slice(&f64::NAN.to_le_bytes());

@@ -1,4 +1,4 @@
-//! Local resampling: a part is remeshed, the rest is what it was, and both fit together.
+//! Local resampling: a part is remeshed, the rest stays unchanged, and both fit together.
 
 use crate::common::*;
 use glam::{DVec2, DVec3, dvec2, dvec3};
@@ -16,7 +16,7 @@ fn above(z: f64) -> Selection {
     Selection::Box([-ALL, -ALL, z], [ALL, ALL, ALL])
 }
 
-/// The vertices of `mesh` where `f` holds.
+/// Selects the vertices of `mesh` where `f` holds.
 fn places(mesh: &Mesh, f: impl Fn(DVec3) -> bool) -> Selection {
     Selection::Vertices(mesh.positions.iter().map(|&p| f(p)).collect())
 }
@@ -25,7 +25,7 @@ fn part(selection: Selection, n: usize) -> Options {
     Options { density: Density::Points(n), part: Some(selection), ..Options::default() }
 }
 
-/// Remeshes a part of `input`, which needs no repair, and checks what is promised of all results.
+/// Remeshes a part of `input`, which needs no repair, and checks what is promised for all results.
 #[track_caller]
 fn check_with(input: &Mesh, options: &Options) -> (Remeshed, Kept) {
     let made = remesh(input, options, &()).unwrap();
@@ -45,7 +45,7 @@ fn check_with(input: &Mesh, options: &Options) -> (Remeshed, Kept) {
     (made, kept)
 }
 
-/// [`check_with`] `n` vertices inside of the part.
+/// Calls [`check_with`] with `n` vertices inside the part.
 #[track_caller]
 fn check(input: &Mesh, selection: Selection, n: usize) -> (Remeshed, Kept) {
     let (made, kept) = check_with(input, &part(selection, n));
@@ -54,7 +54,7 @@ fn check(input: &Mesh, selection: Selection, n: usize) -> (Remeshed, Kept) {
     (made, kept)
 }
 
-/// The smallest angle of the new triangles, in degrees: of all, and of those that have no vertex of the seam.
+/// Returns the smallest angle of the new triangles in degrees: of all, and of those without a vertex on the interface.
 fn angles(made: &Remeshed, kept: &Kept) -> [f64; 2] {
     let new = kept.triangles.len()..made.mesh.triangles.len();
     let is_new = |v: &u32| *v as usize >= kept.vertices.len();

@@ -1,4 +1,4 @@
-//! Files that were dropped on the page together: a mesh, and what it names.
+//! Files dropped on the page together: a mesh, and the files that it refers to.
 
 use spectral_remesh::Image;
 use spectral_remesh::io::{Folder, Format};
@@ -7,18 +7,19 @@ use std::path::Path;
 /// The name and the content of a file.
 pub type File<'a> = (&'a str, &'a [u8]);
 
-/// Files, whose names have no folders.
+/// Dropped files. Their names have no folders.
 pub struct Dropped<'a>(pub Vec<File<'a>>);
 
 impl<'a> Dropped<'a> {
-    /// The one that is the mesh: the first with an ending that is read, else the first. The others of that kind.
+    /// Returns the mesh (the first file with a readable format's extension, otherwise the first file), and the names of the
+    /// other meshes.
     pub fn mesh(&self) -> Option<(File<'a>, Vec<&'a str>)> {
         let mut meshes = self.0.iter().filter(|(name, _)| is_mesh(name));
         let first = meshes.next().or(self.0.first())?;
         Some((*first, meshes.map(|(name, _)| *name).collect()))
     }
 
-    /// The file of that name; the folder that it is in where it is named cannot be known here.
+    /// Returns the content of the file with the same file name. Folders in `name` are ignored, since dropped files have none.
     fn find(&self, name: &Path) -> Option<&'a [u8]> {
         let wanted = name.file_name()?.to_str()?;
         self.0.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map(|(_, bytes)| *bytes)
@@ -38,7 +39,7 @@ impl Folder for Dropped<'_> {
     }
 }
 
-/// A name without the ending of what gzip packed.
+/// Returns a name without the extension `.gz`.
 fn unpacked(name: &str) -> &str {
     match name.rsplit_once('.') {
         Some((rest, ending)) if ending.eq_ignore_ascii_case("gz") => rest,
@@ -46,7 +47,7 @@ fn unpacked(name: &str) -> &str {
     }
 }
 
-/// A name without its endings.
+/// Returns a name without its extensions.
 pub fn stem(name: &str) -> &str {
     let name = unpacked(name);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)

@@ -1,19 +1,19 @@
-//! Requests and answers as bytes: the length of a JSON text in four bytes, little-endian; the text, whose member `sizes` has the
-//! lengths of the files that follow; the files.
+//! Encodes requests and answers as bytes: the length of a JSON text in four bytes, little-endian; the text, whose member `sizes`
+//! has the lengths of the files that follow; the files.
 
 use serde::{Deserialize, Serialize};
 
-/// The text of an envelope, with the lengths of the files behind it.
+/// The JSON text of an envelope, with the lengths of the files that follow.
 #[derive(Serialize, Deserialize)]
 struct Letter<T> {
     sizes: Vec<usize>,
     content: T,
 }
 
-/// The content of an envelope, and the files in it.
+/// Returns the content of an envelope, and the files in it.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A message if the envelope is malformed.
 pub fn open<T: for<'de> Deserialize<'de>>(mut bytes: &[u8]) -> Result<(T, Vec<&[u8]>), String> {
     let mut take = |length: usize| -> Result<&[u8], String> {
         let (taken, rest) = bytes.split_at_checked(length).ok_or("a request is cut short")?;
@@ -26,7 +26,7 @@ pub fn open<T: for<'de> Deserialize<'de>>(mut bytes: &[u8]) -> Result<(T, Vec<&[
     Ok((letter.content, files))
 }
 
-/// An envelope with a content and files.
+/// Returns an envelope with the given content and files.
 pub fn seal<T: Serialize>(content: T, files: &[Vec<u8>]) -> Vec<u8> {
     let letter = Letter { sizes: files.iter().map(Vec::len).collect(), content };
     let text = serde_json::to_vec(&letter).expect("an answer is plain data with text keys");

@@ -1,11 +1,11 @@
-//! What the form of the page says, as the library's settings. From here on every member is named, as on the command line.
+//! Converts the page's form to the library's settings. All members are named, as for the command line.
 
 use serde::{Deserialize, Serialize};
 use spectral_remesh::io::Format;
 use spectral_remesh::settings::{NormalSettings, RemeshSettings};
 use spectral_remesh::{Error, RemeshOptions, words};
 
-/// The fields of the form. Texts are words of the command line; what is `None` is not set.
+/// The fields of the form. Texts are those of the command line; `None` means not set.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Form {
@@ -13,19 +13,19 @@ pub struct Form {
     edge_length: Option<f64>,
     max_error: Option<String>,
     features: String,
-    /// Even edges at zero.
+    /// Zero makes edges even.
     adapt: f64,
     smooth: Option<f64>,
     weld: Option<f64>,
     fill_holes: f64,
     seed: u64,
     attributes: bool,
-    /// What the input is read as.
+    /// The format of the input.
     pub format: Option<Format>,
 }
 
 impl Default for Form {
-    /// What the page proposes.
+    /// Returns the page's initial values.
     fn default() -> Form {
         Form {
             points: Some("4000".into()),
@@ -44,10 +44,10 @@ impl Default for Form {
 }
 
 impl Form {
-    /// How to remesh.
+    /// Returns the options of the remeshing.
     ///
     /// # Errors
-    /// [`Error::Option`] for what makes no sense.
+    /// [`Error::Option`] for an invalid value.
     pub fn resolve(self) -> Result<RemeshOptions, Error> {
         use spectral_remesh::Setting::{Features, MaxError, Points};
         let Form {
@@ -88,7 +88,7 @@ impl Form {
     }
 }
 
-/// A word that was read, or what is wrong with it.
+/// Turns the cause of a parse failure into an error of the option.
 fn read<T>(option: spectral_remesh::Setting, word: Result<T, String>) -> Result<T, Error> {
     word.map_err(|cause| Error::Option { option, cause, remedy: "correct it in the form".into() })
 }

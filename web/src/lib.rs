@@ -1,7 +1,7 @@
-//! The library for a page: requests and answers are bytes, each an `envelope`. `library.js` is the other side.
+//! The library's interface to the page. Requests and answers are bytes in an `envelope`. `library.js` is the other side.
 //!
-//! The page writes a request where [`make_room`] says, calls [`answer`] and reads as many bytes as [`answer_length`] says. The
-//! buffers stay in this module, so that no pointer comes back to be trusted.
+//! The page writes a request to the address that [`make_room`] returns, calls [`answer`], and reads [`answer_length`] bytes. This
+//! module owns the buffers, so it never has to trust a pointer from the page.
 
 mod dropped;
 mod envelope;
@@ -20,9 +20,9 @@ thread_local! {
     static SESSION: RefCell<Session> = RefCell::default();
 }
 
-// SAFETY of the attributes below: no other code that is linked here exports functions by these names.
+// SAFETY of the attributes below: no other linked code exports functions with these names.
 
-/// Where a request of so many bytes is to be written.
+/// Returns the address for a request of `length` bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn make_room(length: usize) -> *mut u8 {
     page::tell_panics();
@@ -32,7 +32,7 @@ pub extern "C" fn make_room(length: usize) -> *mut u8 {
     })
 }
 
-/// Does what the request says; where the answer begins.
+/// Executes the request, and returns the address of the answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> *const u8 {
     let answer = SESSION.with_borrow_mut(|session| request::answer(session, &REQUEST.take()));
@@ -42,7 +42,7 @@ pub extern "C" fn answer() -> *const u8 {
     })
 }
 
-/// How long the answer is.
+/// Returns the length of the answer in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer_length() -> usize {
     ANSWER.with_borrow(Vec::len)

@@ -1,18 +1,18 @@
-//! What the page is told while it waits.
+//! Messages to the page while it waits.
 
 use spectral_remesh::Monitor;
 use std::panic;
 
 #[cfg(target_family = "wasm")]
 #[link(wasm_import_module = "page")]
-// SAFETY: `library.js` has functions of these names and types, which only read the memory that they are shown.
+// SAFETY: `library.js` defines functions with these names and types, and they only read the memory passed to them.
 unsafe extern "C" {
     safe fn stage(name: *const u8, length: usize);
     safe fn progress(done: f64);
     safe fn panicked(message: *const u8, length: usize);
 }
 
-/// Without a page nobody is told.
+/// Ignores the messages where there is no page.
 #[cfg(not(target_family = "wasm"))]
 mod nobody {
     pub fn stage(_name: *const u8, _length: usize) {}
@@ -22,7 +22,7 @@ mod nobody {
 #[cfg(not(target_family = "wasm"))]
 use nobody::{panicked, progress, stage};
 
-/// The page as a monitor. It never asks to stop: it ends the worker.
+/// The page as a monitor. It never cancels through the monitor: it terminates the worker instead.
 pub struct Page;
 
 impl Monitor for Page {
@@ -35,7 +35,7 @@ impl Monitor for Page {
     }
 }
 
-/// Tells the page what a panic says, since the module is unusable after it.
+/// Installs a hook that sends the message of a panic to the page. The module is unusable after a panic.
 pub fn tell_panics() {
     panic::set_hook(Box::new(|panic| {
         let message = panic.to_string();

@@ -1,4 +1,4 @@
-//! What the page can ask for, and the answers.
+//! The page's requests, and the answers to them.
 
 use crate::dropped::Dropped;
 use crate::envelope::{open, seal};
@@ -14,19 +14,19 @@ use spectral_remesh::{Error, Setting};
 #[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Request {
-    /// What there is to choose from.
+    /// Returns the defaults of the form, and the formats.
     Describe,
-    /// Reads the files that follow, of which these are the names.
+    /// Reads the files that follow, which have these names.
     Load { names: Vec<String>, form: Form },
-    /// How good what was read is.
+    /// Measures the quality of the input.
     Measure,
-    /// Remeshes what was read.
+    /// Remeshes the input.
     Remesh { form: Form },
-    /// The result as a file, and those that belong to it.
+    /// Returns the result as a file, with its companion files.
     Save { format: Format },
-    /// The report on the result as a page.
+    /// Returns the report on the result as a page.
     Page,
-    /// The report on the result as JSON.
+    /// Returns the report on the result as JSON.
     Json,
 }
 
@@ -45,19 +45,19 @@ enum Answer {
         name: String,
         vertices: usize,
         triangles: usize,
-        /// Whether to look at it before it is remeshed: drawing pictures of a large mesh takes as long as remeshing.
+        /// Whether to show the input before it is remeshed. Drawing a large mesh takes as long as remeshing it.
         is_shown: bool,
     },
     Measured(Shown),
     Remeshed {
         verified: bool,
         vertices: usize,
-        /// The proposed name to save it by.
+        /// The proposed format to save it in.
         format: Format,
         #[serde(flatten)]
         shown: Shown,
     },
-    /// The files that follow, and what of the mesh they have no place for.
+    /// The names of the files that follow, and the data of the mesh that they cannot hold.
     Files {
         names: Vec<String>,
         lost: Vec<String>,
@@ -65,7 +65,7 @@ enum Answer {
     Error(String),
 }
 
-/// A format, for lists to choose from.
+/// A format in a list of choices.
 #[derive(Serialize)]
 struct Kind {
     ending: &'static str,
@@ -78,7 +78,7 @@ impl From<Format> for Kind {
     }
 }
 
-/// A report to be looked at.
+/// A report to show.
 #[derive(Serialize)]
 struct Shown {
     title: String,
@@ -92,7 +92,7 @@ impl From<Content> for Shown {
     }
 }
 
-/// Does what a request says.
+/// Executes a request, and returns the answer.
 pub fn answer(session: &mut Session, request: &[u8]) -> Vec<u8> {
     let (request, files) = match open::<Request>(request) {
         Ok(opened) => opened,

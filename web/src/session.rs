@@ -1,4 +1,4 @@
-//! What a page has read and made so far.
+//! The page's input and result.
 
 use crate::dropped::{Dropped, stem};
 use crate::page::Page;
@@ -6,22 +6,22 @@ use spectral_remesh::io::{Companions, Format, Loaded, companions, read_named, wr
 use spectral_remesh::report::page::{Content, Subject, content, page};
 use spectral_remesh::{Attributes, Error, Fault, Input, Mesh, Monitor, Outcome, RemeshOptions, quality, remesh};
 
-/// A file that was read, and what was made of it.
+/// The file that was read, and its result.
 #[derive(Default)]
 pub struct Session {
     input: Option<(String, Loaded)>,
     outcome: Option<Outcome>,
 }
 
-/// Files to be saved.
+/// Files to save.
 pub struct Saved {
     pub files: Vec<(String, Vec<u8>)>,
-    /// What of the result they have no place for.
+    /// The data of the result that they cannot hold.
     pub lost: Vec<String>,
 }
 
 impl Session {
-    /// Reads the mesh among files.
+    /// Reads the mesh among the files.
     pub fn load(&mut self, files: &Dropped, format: Option<Format>) -> Result<(), Error> {
         Page.stage("read");
         let ((name, bytes), others) = files.mesh().ok_or_else(|| missing("no file"))?;
@@ -33,7 +33,7 @@ impl Session {
         Ok(())
     }
 
-    /// The name and the mesh of what was read.
+    /// Returns the name and the mesh of the input.
     pub fn input(&self) -> Result<(&str, &Mesh), Error> {
         self.read().map(|(name, loaded)| (name, &loaded.mesh))
     }
@@ -42,7 +42,7 @@ impl Session {
         self.input.as_ref().map(|(name, loaded)| (name.as_str(), loaded)).ok_or_else(|| missing("no mesh yet"))
     }
 
-    /// How good the input is.
+    /// Returns the content of a report on the quality of the input.
     pub fn measured(&self) -> Result<Content, Error> {
         let (name, loaded) = self.read()?;
         Page.stage("measure");
@@ -52,7 +52,7 @@ impl Session {
         Ok(content(None, &[Subject { report: &report, mesh: &loaded.mesh, edges: None }]))
     }
 
-    /// Remeshes what was read.
+    /// Remeshes the input.
     pub fn remesh(&mut self, options: &RemeshOptions) -> Result<(), Error> {
         let (name, loaded) = self.read()?;
         let mut outcome = remesh(&Input::from(loaded), options, &Page).map_err(|e| e.in_file(name))?;
@@ -65,28 +65,28 @@ impl Session {
         Ok(())
     }
 
-    /// The result.
+    /// Returns the result.
     pub fn outcome(&self) -> Result<&Outcome, Error> {
         self.outcome.as_ref().ok_or_else(|| missing("no result yet"))
     }
 
-    /// What the report on the result shows.
+    /// Returns the content of the report on the result.
     pub fn content(&self) -> Result<Content, Error> {
         self.about().map(|(reference, subject)| content(Some(reference), &[subject]))
     }
 
-    /// The report on the result as a page, with its name.
+    /// Returns the file name of the report on the result, and the report as a page.
     pub fn page(&self) -> Result<(String, String), Error> {
         let (reference, subject) = self.about()?;
         Ok((self.named("html")?, page(Some(reference), &[subject])))
     }
 
-    /// The report on the result as JSON, with its name.
+    /// Returns the file name of the report on the result, and the report as JSON.
     pub fn json(&self) -> Result<(String, String), Error> {
         Ok((self.named("json")?, self.about()?.1.report.to_json()))
     }
 
-    /// What a report is about.
+    /// Returns the reference mesh and the subject of the report.
     fn about(&self) -> Result<(&Mesh, Subject<'_>), Error> {
         let outcome = self.outcome()?;
         let report = outcome.report.as_ref().ok_or_else(|| missing("no report"))?;
@@ -94,7 +94,7 @@ impl Session {
         Ok((reference, Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) }))
     }
 
-    /// The result in a format.
+    /// Returns the result as files of a format.
     pub fn save(&self, format: Format) -> Result<Saved, Error> {
         let outcome = self.outcome()?;
         let name = self.output_name(format)?;
@@ -110,7 +110,7 @@ impl Session {
         Ok(Saved { files, lost: lost.collect() })
     }
 
-    /// The format of the input, if it can be written.
+    /// Returns the format of the input if it can be written, otherwise PLY.
     pub fn proposed_format(&self) -> Result<Format, Error> {
         let format = self.read()?.1.format;
         Ok(if Format::OF_MESHES.contains(&format) { format } else { Format::Ply })
@@ -125,7 +125,7 @@ impl Session {
     }
 }
 
-/// Attributes as a file of `format` needs them, and the files that go with it.
+/// Returns the attributes for a file of `format`, and its companion files.
 fn with_companions(attributes: &Attributes, format: Format, stem: &str) -> (Attributes, Vec<(String, Vec<u8>)>) {
     match &attributes.materials {
         Some(materials) if format == Format::Obj => {

@@ -1,8 +1,8 @@
-//! What the library says, in the words of the page.
+//! Messages of the library, with the labels of the page.
 
 use spectral_remesh::{Error, Setting};
 
-/// What a setting is called on the page; `None` for those that are not there.
+/// Returns the page's label of a setting, or `None` if the page does not have it.
 pub fn label(setting: Setting) -> Option<&'static str> {
     Some(match setting {
         Setting::Points => "Vertices",
@@ -18,7 +18,7 @@ pub fn label(setting: Setting) -> Option<&'static str> {
     })
 }
 
-/// An error in the words of the page.
+/// Returns the text of an error, with the label of the page for an option.
 pub fn worded(error: &Error) -> String {
     match error {
         Error::Option { option, cause, remedy } => {

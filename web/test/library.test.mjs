@@ -1,4 +1,4 @@
-// The library of the page, asked without a browser: it gives what the program gives.
+// Calls the page's library without a browser. It gives the same results as the program.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -16,7 +16,7 @@ before(async () => {
   module = await WebAssembly.compile(readFileSync(MODULE));
 });
 
-/** A library that has just been started, what it proposes, and what it tells. */
+/** Starts a library. Returns its request function, its default form, and the stages and shares that it reports. */
 async function fresh() {
   const stages = [];
   const shares = [];
@@ -27,7 +27,7 @@ async function fresh() {
 
 const text = (words) => new TextEncoder().encode(words);
 
-/** Loads files that are given as pairs of names and contents. */
+/** Loads files given as pairs of names and contents. */
 function load({ ask, form }, files) {
   return ask({ load: { names: files.map(([name]) => name), form } }, files.map(([, content]) => content));
 }
@@ -114,7 +114,7 @@ test("the form has the fields that errors name", async () => {
 
 test("a panic ends the library with what it says", async () => {
   const { ask, form } = await fresh();
-  // More than there can be, so that room for it cannot be made.
+  // Larger than possible, so that memory for it cannot be allocated.
   const endless = { length: 3e9 };
   assert.throws(() => ask({ load: { names: ["a.obj"], form } }, [endless]), { name: "Fault", message: /capacity overflow/ });
 });

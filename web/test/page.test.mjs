@@ -1,4 +1,4 @@
-// Uses the page in a browser as people would: numbers and pixels, never whole pictures.
+// Uses the page in a browser as users would. Compares numbers and pixels, never whole pictures.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -23,7 +23,7 @@ after(async () => {
   server?.end();
 });
 
-/** Opens the page and calls `use` with it. It must neither fail nor send anything, nor ask for anything from elsewhere. */
+/** Opens the page and calls `use` with it. The page must not fail, send anything, or request anything from elsewhere. */
 async function open(options, use) {
   const page = await watched({ ...options, acceptDownloads: true });
   const faults = [];
@@ -40,7 +40,7 @@ async function open(options, use) {
   assert.deepEqual(faults, []);
 }
 
-/** A page that records its states and the verdicts that it has shown: they may be gone before a test looks. */
+/** Opens a page that records its states and the verdicts that it shows, since they may be gone before a test looks. */
 async function watched(options) {
   const page = await browser.newPage(options);
   await page.addInitScript(() => {
@@ -54,7 +54,7 @@ async function watched(options) {
   return page;
 }
 
-/** Waits until the page is in a state, or has been since the last one that was waited for. */
+/** Waits until the page has been in a state at some time since the state last waited for. */
 function state(page, name) {
   const reached = (name) => {
     const at = window.seen.states.indexOf(name, window.seen.upTo);
@@ -77,7 +77,7 @@ async function drop(page, files) {
   for (const type of ["dragover", "drop"]) await page.dispatchEvent("#report", type, { dataTransfer: transfer });
 }
 
-/** What a click saves: the name of the file and its content. */
+/** Returns the name and the content of the file that a click saves. */
 async function saved(page, click) {
   const [download] = await Promise.all([page.waitForEvent("download"), click()]);
   return { name: download.suggestedFilename(), content: readFileSync(await download.path()) };
@@ -107,7 +107,7 @@ test("a dropped STL is remeshed, shown and saved with the bytes of the program",
     const second = await saved(page, () => page.click("#save-mesh"));
     assert.equal(second.name, "bracket-remeshed.ply");
     assert.ok(ply.equals(second.content));
-    // Two at once come in their order.
+    // Two at once arrive in order.
     const both = [];
     page.on("download", (download) => both.push(download.suggestedFilename()));
     await page.evaluate(() => ["save-mesh", "save-json"].forEach((id) => document.getElementById(id).click()));
@@ -154,7 +154,7 @@ test("before and after are drawn side by side, coloured and turned together", as
 test("the keyboard is enough", async () => {
   await open(DESKTOP, async (page) => {
     const focused = () => page.evaluate(() => document.activeElement.id || document.activeElement.dataset.model || document.activeElement.tagName);
-    /** Goes to an element by the tabulator; each on the way shows that it has the focus. */
+    /** Moves to an element with the Tab key. Each element on the way must show that it has the focus. */
     async function tabTo(name, key = "Tab") {
       for (let k = 0; k < 40; k++) {
         await page.keyboard.press(key);
@@ -200,7 +200,7 @@ test("a broken file is told with its place, and the next one works", async () =>
 });
 
 test("a library that dies says why", async () => {
-  // Files seem to be larger than the memory can be.
+  // The files seem to be larger than memory can be.
   const endless = (name, content) => (name === "/worker.js" ? String(content).replace("ask(request, contents)",
     "ask(request, contents.map(() => ({ length: 3e9 })))") : content);
   const changed = await serve(PAGE, endless);
@@ -249,7 +249,7 @@ test("a cloud becomes a mesh, and fields tell what they need", async () => {
     assert.equal(await page.textContent("#counts"), "1600 vertices, no triangles");
     assert.equal(await page.inputValue("#save-format"), "ply");
     await page.fill("#density", "");
-    // Nothing of a name is markup: the page would ask for the image.
+    // A name is never markup: otherwise the page would request the image.
     await drop(page, [["grid<img src=no.png>.xyz", [...Array(n * n).keys()].map(point).join("\n")]]);
     assert.equal(await page.$eval("#density", (field) => field.matches(":focus:invalid")), true);
     await page.fill("#density", "150");

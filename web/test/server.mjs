@@ -6,7 +6,7 @@ import { extname, join } from "node:path";
 
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
 
-/** Serves a folder, its files as `change` makes them by name and content; gives its address and a function that ends it. */
+/** Serves a folder. `change` maps a file's name and content to the content sent. Returns the address and a function to end it. */
 export async function serve(folder, change = (_, content) => content) {
   const server = createServer((request, response) => {
     const { pathname } = new URL(request.url, "http://localhost");
@@ -20,7 +20,7 @@ export async function serve(folder, change = (_, content) => content) {
     }
   });
   await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-  // A test that fails leaves nothing that is waited for.
+  // The server of a failed test does not keep the process alive.
   server.unref();
   return { address: `http://127.0.0.1:${server.address().port}/`, end: () => server.close() };
 }

@@ -1,19 +1,19 @@
-"""The experiments, in the order in which RESULTS.md has them.
+"""The experiments, in the order of RESULTS.md.
 
 Each is a module with
 
     TITLE                      its heading in RESULTS.md
-    run(context) -> dict       measures, and gives its raw figures as what JSON can hold
+    run(context) -> dict       measures, and returns its raw figures as JSON-compatible values
     report(raw, figures) -> str
-                               Markdown from the raw figures alone; draws plots into the folder `figures`, names them by
-                               `figures/NAME.svg`, and says in words what is better and what is worse than the peer
+                               returns Markdown made from the raw figures only; draws plots into the folder `figures`,
+                               refers to them as `figures/NAME.svg`, and says what is better and worse than the peer
 
 and may have
 
-    watched(raw) -> dict       figures of ours that `eval/run compare` watches: name -> (value, sense, noise); see
-                               compare.py
+    watched(raw) -> dict       our figures that `eval/run compare` watches: name -> (value, sense, noise);
+                               see compare.py
 
-`run` does less with `context.quick`, and says in its figures what it left out and why.
+With `context.quick`, `run` does less, and says in its figures what it left out and why.
 """
 
 NAMES = ['cases', 'remeshers', 'cad', 'table1', 'clouds', 'dense', 'large', 'table2', 'figure04', 'figure05', 'figure07',

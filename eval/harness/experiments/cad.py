@@ -1,4 +1,4 @@
-"""CAD parts: this program and those others that can keep sharp edges, at one number of vertices."""
+"""CAD parts: this program and the others that can keep sharp edges, at one vertex count."""
 
 import dataclasses
 
@@ -22,7 +22,7 @@ def run(context):
 
 
 def _one(case, programs, context):
-    # Vertices of a file at one place are one for all programs, as ours reads it.
+    # Coincident vertices of a file are merged for all programs, as ours does when reading.
     given = mesh.read(case.path).welded()
     kind = {'vertices': len(given.vertices), 'manifold': is_manifold(topology(given)),
             'crossing_faces': crossing_faces(given)}
@@ -70,7 +70,7 @@ def _introduction(raw):
 
 
 def _others(raw):
-    """The other programs at hand and their labels, and all results by model."""
+    """Returns the other available programs with their labels, and all results by model."""
     results = {name: model['results'] for name, model in raw['models'].items()}
     return {n: p['label'] for n, p in raw['programs'].items() if n not in OURS and 'version' in p}, results
 

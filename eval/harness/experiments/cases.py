@@ -1,4 +1,4 @@
-"""This program on all models at hand, from their own files."""
+"""This program on all available models, read from their original files."""
 
 import json
 import os
@@ -13,7 +13,7 @@ from ..verdicts import MEASURES, watched_measures
 TITLE = 'All models'
 ROUNDS = 3
 
-# Seconds and megabytes of one machine differ by this share from run to run.
+# Relative variation of seconds and megabytes between runs on one machine.
 TIME_NOISE, MEMORY_NOISE = 0.25, 0.1
 
 
@@ -23,7 +23,7 @@ def run(context):
 
 
 def _one(case, rounds, context):
-    # As the program reads it: seams of a file whose vertices lie at one place are none.
+    # As the program reads it: seams whose vertices coincide are closed.
     reference = mesh.read(case.path).welded()
     found = race({'remesh': peer('remesh')}, case.path, reference, case.points, case.sharp, rounds, context.scratch)
     result = found['remesh']
@@ -43,7 +43,7 @@ def report(raw, _figures):
 
 
 def table(raw, seconds):
-    """A row for each model; `seconds` makes the text of a result's times. The README has it, too."""
+    """Returns a table with one row per model; `seconds` formats the times of a result. docs/figures.md also uses it."""
     heading = ['model', 'vertices in', 'asked', 'out', 'Qave', 'Qmin', 'θmin', 'mean θmin', 'θmax', '% < 30°',
                '% valence 6', 'RMS %', 'Hausdorff %', 'seconds', 'MB', 'sound', 'verified']
     return markdown([heading] + [_row(name, model, seconds) for name, model in raw['models'].items()])
@@ -88,7 +88,7 @@ def watched(raw):
 
 
 def _averages(raw):
-    """Averages over all models, which tell a small change that the noise of a single model hides."""
+    """Returns averages over all models, which reveal small changes hidden by the noise of a single model."""
     known = [model['result']['measures'] for model in raw['models'].values() if 'failed' not in model['result']]
     found = {}
     for measure in MEASURES:

@@ -1,8 +1,8 @@
-"""What becomes of the vertices of a model alone, as a point cloud, with noise and without.
+"""Meshes made from the vertices of a model alone, as a point cloud, with and without noise.
 
-The result is held against the mesh that the points are of. Noise is Gaussian along the normals; its standard deviation
-is a quarter of the mean distance to the six nearest points, its seed fixed. Normals, where given, are those of the mesh
-without noise.
+The result is compared with the mesh from which the points come. Noise is Gaussian along the normals, with a standard
+deviation of a quarter of the mean distance to the six nearest points and a fixed seed. Normals, if given, are those of
+the mesh without noise.
 """
 
 from .. import mesh
@@ -18,7 +18,7 @@ QUICK_MODELS = ['blob']
 OWN_MODELS = ['blob', 'noisy', 'shell']
 NOISE = 0.25
 
-# Kind: with normals, with noise.
+# Kind: (with normals, with noise).
 KINDS = {
     'with normals': (True, False),
     'without normals': (False, False),
@@ -31,7 +31,7 @@ def run(context):
     names = QUICK_MODELS if context.quick else [n for n in MODELS if context.case(n)] or OWN_MODELS
     kinds = {kind: {} for kind in KINDS}
     for case in map(context.case, names):
-        # Without normals, outwards is the side that is wanted.
+        # Without normals, the result is expected to face outwards.
         reference = mesh.read(case.path).outward()
         for kind, (normals, noise) in KINDS.items():
             source = context.file('points.ply')
@@ -45,7 +45,7 @@ def run(context):
 
 
 class _Smoothing:
-    """Ours with `--smooth`."""
+    """Our program with `--smooth`."""
 
     def __init__(self):
         own = peer('remesh')
@@ -76,7 +76,7 @@ def report(raw, _figures):
 
 
 def rows(raw, cell, failed=lambda _: ['failed'], programs=('remesh', 'poisson_points')):
-    """Two rows a kind, for `tables.columns`."""
+    """Returns two rows per kind, for `tables.columns`."""
     found = []
     for kind, models in raw['kinds'].items():
         for name in programs:

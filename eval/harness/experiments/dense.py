@@ -1,6 +1,7 @@
-"""Seconds and memory by the number of points of a dense cloud, to samples and to a finished mesh.
+"""Time and memory against the number of points of a dense cloud, for samples and for a finished mesh.
 
-The points are random ones of a model, moved along its normals by Gaussian noise of a fifth of their spacing, in binary PLY.
+The points are random points of a model, moved along its normals by Gaussian noise of a fifth of their spacing, in
+binary PLY.
 """
 
 import numpy as np
@@ -41,7 +42,7 @@ def _took(context, words, source, wanted):
 
 
 def write(path, model, size, seed):
-    """Writes so many points of the model, in blocks."""
+    """Writes `size` points of the model, in blocks."""
     rng = np.random.default_rng(seed)
     corners, normals = model.corners(), model.normals()[model.triangles]
     areas = model.areas()
@@ -72,5 +73,5 @@ def report(raw, figures):
 
 
 def cells(took):
-    """Seconds and megabytes as text."""
+    """Returns seconds and megabytes as text."""
     return ['-', '-'] if 'failed' in took else [f'{took["seconds"]:.1f}', f'{took["megabytes"]:.0f}']

@@ -8,9 +8,9 @@ from ..tables import bullets, less
 TITLE = 'Figure 4: eigenvalues before and after a point is added'
 
 POINTS, QUICK_POINTS = 400, 150
-# Time of the heat kernel, in squares of the spacing at hexagonal packing: kernels of neighbours overlap.
+# Time of the heat kernel, in squared spacings of hexagonal packing: the kernels of neighbours overlap.
 TIME = 0.5
-# Eigenvalues that are drawn, of those of the matrix.
+# Number of eigenvalues of the matrix that are drawn.
 DRAWN = 60
 
 
@@ -23,7 +23,7 @@ def run(context):
 
 
 def _plane(rng, count):
-    """Random points of the unit square and one more in the middle of it."""
+    """Computes the case of random points in the unit square and one more at its centre."""
     time = TIME * _spacing(1.0, count) ** 2
     return _both(lambda x, y: kernel.heat_kernel_of_plane(x, y, time), rng.random((count, 2)), np.array([[0.5, 0.5]]))
 
@@ -40,7 +40,7 @@ def _spacing(area, count):
 
 
 def _both(heat, points, new):
-    """Eigenvalues by the largest one before, without and with a new point, and s of that."""
+    """Returns the eigenvalues without and with a new point, relative to the largest without it, and s of that point."""
     before = kernel.eigenvalues(heat, points)
     after = kernel.eigenvalues(heat, np.concatenate([points, new]))
     measure = kernel.measure(heat, points, new)[0]
@@ -74,7 +74,7 @@ def _sentences(raw):
         change = after[:-1] - before
         share = change.max() / (after.sum() - before.sum())
         carrying = int((np.sort(change)[::-1].cumsum() < 0.9 * change.sum()).sum()) + 1
-        # Interlacing: with a point more every eigenvalue is as large at least, but not above the one before it.
+        # Interlacing: an added point makes no eigenvalue smaller, and raises none above the previous one of before.
         holds = bool(np.all(change > -1e-12) and np.all(after[1:-1] <= before[:-1] + 1e-12))
         sentences.append(
             '%s: s of the new point is %.3f. Its change is spread: the largest of one eigenvalue is %.0f %% of all, '

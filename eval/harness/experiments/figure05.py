@@ -1,4 +1,4 @@
-"""The paper's Figure 5: s over the plane for six points, and the eigenvalues with a new one where s is high or low."""
+"""The paper's Figure 5: s over the plane for six points, and the eigenvalues with a new point at high or low s."""
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def run(context):
 
 
 def _two_places(grid, measure):
-    """Where s is highest and lowest within the middle of the plane, away from the points."""
+    """Returns where s is highest and lowest in the middle of the plane, away from the points."""
     points = np.array(POINTS)
     nearest = np.linalg.norm(grid[:, None] - points[None], axis=2).min(axis=1)
     inside = (np.abs(grid).max(axis=1) < 0.62 * SIDE) & (nearest > 0.35)

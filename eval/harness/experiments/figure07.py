@@ -11,9 +11,9 @@ TITLE = 'Figure 7: movement in each sweep of the ascent'
 MODELS = ['blob', 'horse']
 POINTS, QUICK_POINTS = 5000, 500
 SWEEPS, QUICK_SWEEPS = 15, 5
-# The share of points that are as near to another one as is drawn. The very nearest pair may be one across a fold.
+# Quantile of the nearest-neighbour distances that is drawn. The very closest pair may lie across a fold.
 SHARE = 0.01
-# Points among which the nearest that faces the same way is looked for.
+# Number of neighbours among which the nearest one that faces the same way is searched.
 NEAREST = 16
 # The paper's number of sweeps (section 6.3).
 PAPER_SWEEPS = 10
@@ -30,9 +30,9 @@ def run(context):
 
 
 def _movement(context, path, points, sweeps):
-    """Mean way of a point in each sweep, in mean distances of nearest neighbours after the last one.
+    """Returns the mean displacement of a point in each sweep, in mean nearest-neighbour distances after the last sweep.
 
-    The same seed gives the same points in the same order, so that runs of 0, 1, 2 .. sweeps are one ascent."""
+    The same seed gives the same points in the same order, so that runs of 0, 1, 2 .. sweeps form one ascent."""
     options = ['--points', str(points), '--sweeps']
     stages = [library.samples(context, path, *options, str(sweep)) for sweep in range(sweeps + 1)]
     unit = _nearest_facing(*stages[-1]).mean()
@@ -43,7 +43,7 @@ def _movement(context, path, points, sweeps):
 
 
 def _nearest_facing(points, normals):
-    """For each point how far the nearest one is that faces the same way: not one on the other side of a thin wall."""
+    """Returns the distance of each point to the nearest one that faces the same way, not across a thin wall."""
     distance, other = cKDTree(points).query(points, k=NEAREST)
     counts = (np.einsum('ijk,ik->ij', normals[other], normals) > 0) & (other != np.arange(len(points))[:, None])
     return np.where(counts, distance, distance[:, -1:]).min(axis=1)

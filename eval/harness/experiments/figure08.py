@@ -1,4 +1,4 @@
-"""The paper's Figure 8: s of a point against the number of neighbours that it is computed from."""
+"""The paper's Figure 8: s of a point against the number of neighbours from which it is computed."""
 
 import numpy as np
 
@@ -11,9 +11,9 @@ TITLE = 'Figure 8: the measure against the number of neighbours'
 MODEL, POINTS = 'blob', 2000
 QUERIES, QUICK_QUERIES = 100, 20
 NEIGHBOURS = 50
-# Width of the kernel in mean distances of the six nearest neighbours: that of the scan at hexagonal packing.
+# Kernel width in mean distances of the six nearest neighbours: that of the scan in hexagonal packing.
 SIGMA = 0.866
-# The radius of the paper's neighbourhoods, in σ (section 6.3), and what is close enough to what s converges to.
+# The radius of the paper's neighbourhoods, in σ (section 6.3), and the tolerance for the limit to which s converges.
 RADIUS, CLOSE = 2.5, 1e-3
 
 
@@ -25,7 +25,7 @@ def run(context):
     chosen = np.sort(rng.permutation(len(points))[:QUICK_QUERIES if context.quick else QUERIES])
     curves, within, differences = [], [], []
     for i in chosen:
-        # The middle of the sample and its nearest neighbour's: a place where there is no sample yet.
+        # The midpoint between the sample and its nearest neighbour: a place without a sample.
         order = np.argsort(np.sum((points - points[i]) ** 2, axis=1), kind='stable')
         x = 0.5 * (points[i] + points[order[1]]) / sigma
         facing = order[normals[order] @ normals[i] >= 0]

@@ -1,4 +1,4 @@
-"""The paper's Figure 10: samples that gather where the surface bends, by the width σn of the kernel along normals."""
+"""The paper's Figure 10: samples gather where the surface bends, depending on the kernel width σn along normals."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,12 +13,12 @@ from ..verdicts import word
 TITLE = 'Figure 10: samples that follow the shape, σn'
 
 WIDTHS, QUICK_WIDTHS = [None, 1.0, 0.75, 0.5], [None, 0.5]
-# The model with the points that it gets, or the project's own where it is not at hand.
+# The model and its number of samples; the project's own model is used if the other is not available.
 MODELS = {'rocker-arm': 4000, 'blob': 3000}
 QUICK_POINTS = 1000
-# Samples that curvature is measured at, and neighbours that it is measured from.
+# Number of samples at which curvature is measured, and of neighbours from which it is measured.
 DENSE, QUICK_DENSE, AROUND = 60_000, 15_000, 12
-# Points that distances are measured from.
+# Number of points from which distances are measured.
 MEASURED = 100_000
 BINS = 12
 
@@ -49,25 +49,25 @@ def run(context):
 
 
 def _curvature(points, normals):
-    """By how many radians a unit of length the surface turns at each point: root mean square over the neighbours, which
-    for principal curvatures a and b is √((a² + b²) / 2)."""
+    """Returns the curvature at each point, in radians per unit of length: the root mean square over the neighbours,
+    which for principal curvatures a and b is √((a² + b²) / 2)."""
     distance, other = cKDTree(points).query(points, k=AROUND + 1)
     cosine = np.einsum('ijk,ik->ij', normals[other[:, 1:]], normals)
-    # Those that face away are of another side.
+    # Neighbours that face away belong to another side.
     counts = cosine > 0
     turned = np.where(counts, np.arccos(np.clip(cosine, -1, 1)) / distance[:, 1:], 0)
     return np.sqrt(np.sum(turned ** 2, axis=1) / np.maximum(counts.sum(axis=1), 1))
 
 
 def _density(points, dense, normals, bend):
-    """Samples an area by curvature: even classes of the area, their mean curvature times the spacing, and the density
-    by the mean one."""
+    """Returns the sample density by curvature. The surface is divided into classes of equal area; the result is their
+    mean curvature times the spacing, and their density relative to the mean."""
     of_sample = bend[cKDTree(dense).query(points)[1]]
     limits = np.quantile(bend, np.linspace(0, 1, BINS + 1))
     limits[[0, -1]] = -np.inf, np.inf
     spacing = nearest(points, 6).mean()
     middle = [bend[(bend >= a) & (bend < b)].mean() * spacing for a, b in zip(limits, limits[1:])]
-    # Every class has the same area, so that its share of the samples says it.
+    # Every class has the same area, so its share of the samples gives its density.
     shares = np.histogram(of_sample, limits)[0] / len(points) * BINS
     return {'curvature': middle, 'relative': shares.tolist()}
 

@@ -1,4 +1,4 @@
-"""The paper's Figure 11: spectra of samples of a toroidal square, ours and those of Lloyd's method."""
+"""The paper's Figure 11: spectra of samples on a toroidal square, ours and those of Lloyd's method."""
 
 import os
 
@@ -13,9 +13,9 @@ TITLE = "Figure 11: blue noise on a toroidal square"
 POINTS, QUICK_POINTS = 1024, 256
 RUNS, QUICK_RUNS = 10, 3
 ITERATIONS, QUICK_ITERATIONS = 100, 30
-# The paper's mean normalized Poisson-disk radius of its method.
+# Mean normalised Poisson-disk radius of the paper's method, as printed.
 PAPER_RADIUS = 0.793
-# Frequencies in units of √n up to which spectra are computed.
+# Highest frequency of the spectra, in units of √n.
 FREQUENCIES = 3.0
 METHODS = {'ours': 'ours', 'lloyd': "Lloyd's"}
 
@@ -36,7 +36,7 @@ def run(context):
 
 
 def _figures(sets):
-    """Radii of all sets, the first set, and the spectrum of the mean periodogram."""
+    """Returns radii and energies of all sets, the first set, and the spectrum of the mean periodogram."""
     highest = int(np.ceil(FREQUENCIES * len(sets[0]) ** 0.5))
     power = np.mean([torus.periodogram(points, highest) for points in sets], axis=0)
     mean, anisotropy = torus.rings(power)
@@ -44,7 +44,7 @@ def _figures(sets):
     return {
         'radii': [torus.radius(points) for points in sets],
         'energy': [torus.centroids(points)[1] * len(points) for points in sets],
-        # The half of the periodogram from zero up; the other is its mirror image.
+        # The half of the periodogram from zero upwards; the other half is its mirror image.
         'example': np.round(sets[0], 4).tolist(), 'periodogram': np.round(power[highest:], 2).tolist(),
         'power': mean.tolist(), 'anisotropy': anisotropy.tolist(),
     }
@@ -74,13 +74,13 @@ def report(raw, figures):
 
 
 def _whole(half):
-    """The periodogram of its half above zero, that row included: opposite frequencies have the same power."""
+    """Returns the whole periodogram from the half from zero upwards: opposite frequencies have the same power."""
     half = np.array(half)
     return np.concatenate([half[:0:-1, ::-1], half])
 
 
 def _graph(axes, method, root, last):
-    """Radial power on the left scale, anisotropy on the right one."""
+    """Draws radial power on the left scale and anisotropy on the right one."""
     frequency = np.arange(1, len(method['power']) + 1) / root
     axes.plot(frequency, method['power'], color=plots.OURS)
     axes.set(ylim=(0, 5.5), title='radial power, anisotropy')
@@ -105,7 +105,7 @@ def _text(raw):
 
 
 def _settled(method, root):
-    """Anisotropy from twice the mean frequency on, where power is flat."""
+    """Returns the anisotropy from twice the mean frequency upwards, where power is flat."""
     return np.array(method['anisotropy'])[int(2 * root):]
 
 

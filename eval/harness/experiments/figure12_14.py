@@ -13,7 +13,7 @@ from ..verdicts import word
 
 TITLE = 'Figures 12 and 14: noise'
 
-# A circle of radius 1 of so many points, one of which is off by so much.
+# Number of points on a circle of radius 1, and the distance of one of them from the circle.
 CIRCLE, OFF = 200, 0.15
 SIGMAS, QUICK_SIGMAS = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7], [0.1, 0.5]
 ORDERS, QUICK_ORDERS = 25, 5
@@ -22,7 +22,7 @@ LEVELS, QUICK_LEVELS = [0.0, 0.15, 0.3, 0.5], [0.3]
 MODELS = {'horse': 8600, 'blob': 3000}
 QUICK_POINTS = 1500
 DRAWN = 0.3
-# Points that the distance of the input is measured from.
+# Number of points from which the distance of the input is measured.
 MEASURED = 100_000
 WAYS = {'plain': 'mesh', 'smooth': 'mesh, --smooth', 'cloud': 'cloud', 'cloud-smooth': 'cloud, --smooth'}
 
@@ -43,7 +43,7 @@ def run(context):
 
 
 def _kept(context, sigma, orders):
-    """How often the scan keeps the point that is off, over so many orders of the points, and how many it keeps."""
+    """Returns how often the scan keeps the point off the circle, over several orders, and how many points it keeps."""
     angles = 2 * np.pi * np.arange(CIRCLE) / CIRCLE
     points = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     points[0] *= 1 + OFF
@@ -58,13 +58,13 @@ def _kept(context, sigma, orders):
 
 
 def _noisy(context, name, points):
-    """Rows of a model at all levels of noise, and a picture of one of them."""
+    """Returns the rows of a model at all noise levels, and a picture of one of them."""
     case = context.case(name)
     clean = mesh.read(case.path).welded().outward()
     edge = float(side_lengths(clean).mean())
     rows, shown = [], []
     for level in QUICK_LEVELS if context.quick else LEVELS:
-        # The same noise at every level but for the factor.
+        # The noise of all levels differs only by a factor.
         given = mesh.Mesh(noisy(clean.vertices, clean.normals(), level * edge, context.seed), clean.triangles)
         surface, cloud = context.file('noisy.ply'), context.file('cloud.ply')
         mesh.write(surface, given)
@@ -84,7 +84,7 @@ def _noisy(context, name, points):
 
 
 def _remeshed(context, way, source, points, clean, edge):
-    """Distance to the clean model in its edge lengths, and the figures of the mesh, or why there is none."""
+    """Returns the distance to the clean model in its edge lengths and the measures, or why there is no mesh."""
     try:
         made = library.remesh(context, source, context.file(way + '.ply'), points,
                               *(['--smooth'] if way.endswith('smooth') else []))

@@ -1,4 +1,4 @@
-"""The paper's Figure 16: seconds by the number of vertices of the input, and by that of the points that come out."""
+"""The paper's Figure 16: time against the number of input vertices, and against the number of output points."""
 
 import statistics
 
@@ -11,12 +11,12 @@ from ..tables import bullets, less, markdown
 TITLE = 'Figure 16: time against the size of input and output'
 
 MODEL = 'blob'
-# How often each triangle of the model is split in four, and points taken of each.
+# How often each triangle of the model is split into four, and the number of output points for each of these inputs.
 SPLITS, QUICK_SPLITS, POINTS = [0, 1, 2, 3, 4], [0, 2], 5000
-# Points taken of the model split so many times.
+# Numbers of output points, and how often the model is split for them.
 OUTPUTS, QUICK_OUTPUTS, OUTPUT_SPLITS, QUICK_OUTPUT_SPLITS = [1000, 3000, 10_000, 30_000, 50_000], [500, 4000], 2, 1
 REPEATS, QUICK_REPEATS = 3, 1
-# Kernel width of the scan in spacings at hexagonal packing.
+# Kernel width of the scan, in spacings of hexagonal packing.
 SIGMA = 0.866
 TASKS = {
     'scan': ('linear scan', 'a subset of the vertices by `remesh sample --scan-only --sigma-p`'),
@@ -42,7 +42,7 @@ def run(context):
 
 
 def _split(context, model, splits):
-    """Files of the model with each triangle split in four so many times, and their numbers of vertices."""
+    """Writes the model with its triangles repeatedly split into four; returns the files and their vertex counts."""
     files = {}
     for n in range(splits[-1] + 1):
         if n:
@@ -54,7 +54,7 @@ def _split(context, model, splits):
 
 
 def _times(context, path, area, points, repeats):
-    """Seconds of the whole process of each task, once after the other in each round."""
+    """Returns the seconds of the whole process for each task; each round runs all tasks one after the other."""
     sigma = SIGMA * (2 * area / (3 ** 0.5 * points)) ** 0.5
     seed, to_points = ['--seed', context.seed], ['--points', points]
     samples, made = context.file('out.xyz'), context.file('out.ply')
@@ -102,7 +102,7 @@ def _spread(rows, task):
 
 
 def _exponent(rows, size, task):
-    """The slope of log seconds over log size."""
+    """Returns the slope of log seconds over log size."""
     return float(np.polyfit(np.log([row[size] for row in rows]), np.log(_spread(rows, task)[1]), 1)[0])
 
 

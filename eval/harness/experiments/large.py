@@ -1,7 +1,7 @@
-"""What is larger than the memory it is given: clouds that are sampled tile by tile, meshes that are read in blocks, and from
-measured tiles what many machines would take.
+"""Inputs larger than their memory limit: clouds sampled tile by tile, meshes read in blocks, and an estimate for many
+machines from measured tiles.
 
-The meshes are tori with ripples, in binary PLY, whose vertices and triangles are in rows.
+The meshes are rippled tori in binary PLY, with their vertices and triangles in rows.
 """
 
 import numpy as np
@@ -15,11 +15,11 @@ TITLE = 'Larger than memory'
 CLOUDS, QUICK_CLOUDS = [1_400_000, 14_000_000, 140_000_000], [200_000]
 SAMPLES, QUICK_SAMPLES = 300_000, 2000
 CLOUD_MEMORY = '400M'
-# Vertices around and across of the tori.
+# Number of vertices of the tori, around and across.
 TORI, QUICK_TORI = [(2240, 1120), (7000, 3572)], [(300, 170)]
 VERTICES, QUICK_VERTICES = [13_000, 300_000, 1_000_000], [1000]
 MESH_MEMORY = '2G'
-# The cloud that many machines are to sample as densely: its points, and the machines.
+# Number of points of the cloud to be sampled as densely by many machines, and number of machines.
 MANY, MACHINES = 1_000_000_000, 100
 TILES = 16
 
@@ -59,7 +59,7 @@ def _took(context, *words):
 
 
 def _tiles(context, source, samples):
-    """The steps of sampling by tiles, each tile by one thread."""
+    """Measures the steps of sampling by tiles, each tile on one thread."""
     folder = context.file('tiles')
     steps = {'plan': _took(context, 'tiles', 'plan', source, folder, '--points', samples, '--tiles', TILES),
              'sample': _took(context, 'tiles', 'sample', folder, '--threads', 1),
@@ -68,7 +68,7 @@ def _tiles(context, source, samples):
 
 
 def _write_torus(path, around, across):
-    """A torus of radii 1 and 0.4 with ripples."""
+    """Writes a rippled torus with the radii 1 and 0.4."""
     header = ('ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n'
               'property float z\nelement face %d\nproperty list uchar int vertex_indices\nend_header\n')
     v = 2 * np.pi * np.arange(across) / across
@@ -104,7 +104,7 @@ def report(raw, figures):
 
 
 def projection(tiles):
-    """What sampling as densely takes for many points on many machines, in words."""
+    """Returns, in words, what sampling as densely takes for many points on many machines."""
     if any('failed' in tiles[step] for step in ('plan', 'sample', 'merge')):
         return bullets(f'{step}: {tiles[step]["failed"]}' for step in ('plan', 'sample', 'merge') if 'failed' in tiles[step])
     plan, sample, merge = (tiles[step]['seconds'] for step in ('plan', 'sample', 'merge'))

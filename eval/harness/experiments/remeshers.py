@@ -1,4 +1,4 @@
-"""This program and its peers on the same models, at the same counts, in the same run."""
+"""This program and its peers on the same models, at the same vertex counts, in the same run."""
 
 import math
 import sys
@@ -16,7 +16,8 @@ MODELS = ['horse', 'bunny', 'armadillo', 'fandisk', 'rocker-arm', 'nefertiti', '
 OWN_MODELS = ['blob', 'bracket', 'noisy', 'shell', 'terrain']
 QUICK_MODELS = ['blob', 'bracket']
 ROUNDS = 3
-# Seconds for all models. One that has had twice its share of what is left, since they differ, gets no more rounds.
+# Seconds for all models. Since models differ, each may use twice its share of the remaining time; then it gets no more
+# rounds.
 BUDGET = 1300
 
 
@@ -34,7 +35,7 @@ def run(context):
 
 
 def race_on(case, reference, programs, rounds, context, budget=math.inf):
-    """The results of all programs on one model, and what it is."""
+    """Returns the results of all programs on one model, and the facts about the model."""
     source = context.file(case.name + '.ply')
     mesh.write(source, reference)
     results = race(programs, source, reference, case.points, case.sharp, rounds, context.scratch, budget)
@@ -47,7 +48,7 @@ def _absent(context):
 
 
 def programs_at_hand(names, quick):
-    """Those of the programs that are at hand, by name, and what is to be said of each, of the missing ones too."""
+    """Returns the available programs by name, and the description of each program, including missing ones."""
     found, listing = {}, {}
     for name in names:
         program = peer(name)
@@ -67,7 +68,7 @@ def _brief(name, result):
     return '%s failed' % name if 'failed' in result else '%s %.1f s' % (name, result['process_seconds'][0])
 
 
-# Heading, and the cell of a result.
+# Heading, and the function that formats the cell of a result.
 TABLES = [
     ('θmin / mean θmin (degrees)', lambda r: '%.1f / %.1f' % (
         shape_of(r)['theta_min'], shape_of(r)['theta_min_mean'])),
@@ -95,12 +96,12 @@ def report(raw, _figures):
 
 
 def tables(cells, raw):
-    """What programs there are, and a table for each heading with its cell."""
+    """Returns a table of the programs, and one table for each heading and cell."""
     return [_who(raw['programs'])] + [_table(heading, cell, raw) for heading, cell in cells]
 
 
 def verdicts(raw, times=True):
-    """What is better and worse than each of the others, a line each."""
+    """Returns what is better and worse than each of the others, one line each."""
     results = {name: model['results'] for name, model in raw['models'].items()}
     others = {name: p for name, p in raw['programs'].items() if name != 'remesh' and 'version' in p}
     return '\n'.join('- ' + against(p['label'], results, name, times) for name, p in others.items())
@@ -145,7 +146,7 @@ def _cell(cell, result):
 
 
 def rule(raw):
-    """What the verdicts count, and what failed."""
+    """Returns which differences the verdicts count, and what failed."""
     noises = ', '.join('%s %g' % (m.label, m.noise) for m in MEASURES if m.noise)
     text = 'Computed from the figures above. Differences up to these do not count: %s.' % noises
     results = [(model, name, result) for model, found in raw['models'].items()

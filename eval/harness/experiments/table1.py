@@ -1,4 +1,4 @@
-"""Table 1 of the paper beside ours: what the paper does, and the default.
+"""Table 1 of the paper next to our results: with the paper's method, and by default.
 
 Based on: A. C. Öztireli, M. Alexa, M. Gross, Spectral Sampling of Manifolds, 2010, DOI 10.1145/1882261.1866190. VR is
 Valette and others 2008, YR is Yan and others 2009.
@@ -12,7 +12,7 @@ from ..tables import listed, markdown
 TITLE = 'Table 1 of the paper'
 ROUNDS = 3
 
-# θmin, mean θmin, Qmin, Qave, % below 30 degrees as printed, seconds as printed.
+# θmin, mean θmin, Qmin, Qave, % below 30 degrees and seconds, as printed.
 PAPER = {
     ('Owl', 13161): {'Ours': (19.34, 52.62, 0.3007, 0.8998, 0.0012, '3.37 + 6.51'),
                      'VR': (0.61, 39.19, 0.0112, 0.7194, 6.3025, '4.453'),
@@ -31,7 +31,7 @@ PAPER = {
     ('C. Lion', 38342): {'Ours': (14.56, 52.83, 0.2216, 0.9033, 0.0082, '18.83 + 22.58')},
 }
 
-# Our case for a model of the paper, and whether it is the same one.
+# Our case for each model of the paper, and whether it is the same model.
 MATCHES = {('Horse', 8600): ('horse', True), ('Rabbit', 9635): ('bunny', False)}
 COLUMNS = ('theta_min', 'theta_min_mean', 'q_min', 'q_mean', 'percent_below_30')
 
@@ -91,7 +91,7 @@ def _about(raw):
 
 
 def _verdicts(raw):
-    """Ours against the paper's rows, figure by figure, where the model is the same."""
+    """Compares ours with the paper's rows, figure by figure, if the model is the same."""
     lines = []
     for (model, points), (_, same) in MATCHES.items():
         found = raw['models'].get(model)

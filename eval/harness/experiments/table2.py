@@ -1,4 +1,4 @@
-"""The paper's Table 2: what is lost of a surface that is reconstructed from a part of its points."""
+"""The paper's Table 2: the loss of a surface reconstructed from a subset of its points."""
 
 import os
 import time
@@ -19,21 +19,22 @@ TITLE = 'Table 2: surfaces of a part of the points'
 SIGMA_N = 0.75
 WIDTHS = [0.5, 0.75, 1.0]
 MODELS, OTHERWISE = ['igea', 'horse'], 'blob'
-# How far points reach when they are reconstructed, in σp: about as far as the paper's kernel does (section 6.3). With
-# its 2.5 MeshLab's surfaces have holes.
+# Support radius of points in the reconstruction, in σp: about that of the paper's kernel (section 6.3). With the
+# paper's 2.5, MeshLab's surfaces have holes.
 REACH = 3.0
-# Edges of the cells that surfaces are extracted with, in a box of 100. Ours has four times as many corners for an edge.
+# Edge lengths of the cells with which surfaces are extracted, in a box of 100. For the same edge length,
+# ours has four times as many corners.
 CELLS = {'remesh': 0.8, 'meshlab': 0.5}
 QUICK_CELLS = {'remesh': 2.0, 'meshlab': 1.5}
-# Points that distances are measured from.
+# Number of points from which distances are measured.
 MEASURED = 30_000
-# Points of a cloud made of a mesh that has too few vertices.
+# Number of points of a cloud made from a mesh that has too few vertices.
 CLOUD, QUICK_CLOUD, QUICK_WIDTH = 50_000, 5_000, 2.3
 NAMES = {'ours': 'ours', 'as': 'AS', 'ks': 'KS', 'random': 'random', 'voxels': 'voxels'}
 SURFACES = {'remesh': 'our surface', 'meshlab': "MeshLab's RIMLS"}
 MEASURES = {'rms': 'RMS', 'hausdorff': 'Hausdorff'}
 
-# RMS and Hausdorff of the paper's rows for σp = 0.5, 0.75, 1: ours, AS, KS.
+# RMS and Hausdorff distances in the paper's rows for σp = 0.5, 0.75, 1: ours, AS, KS.
 PAPER = {
     'igea': {'rms': [[0.0071, 0.0064, 0.0091], [0.0114, 0.0310, 0.0818], [0.0407, 0.0824, 0.1251]],
              'hausdorff': [[0.1075, 0.1415, 0.1120], [0.1500, 0.4384, 0.4640], [0.1907, 1.3302, 2.0278]]},
@@ -64,7 +65,7 @@ def run(context):
 
 
 def _cloud(context, case):
-    """Points with normals in a box of 100: the vertices, or random points where these are few."""
+    """Returns points with normals in a box of 100: the vertices, or random points if there are too few vertices."""
     wanted = QUICK_CLOUD if context.quick else CLOUD
     model = mesh.read(case.path).outward()
     points, normals = model.vertices, model.normals()
@@ -76,7 +77,7 @@ def _cloud(context, case):
 
 
 def _row(context, model, points, normals, width):
-    """What is lost by each way of taking as many points as the scan keeps at one σp."""
+    """Returns the loss of each method with as many points as the scan keeps at one σp."""
     context = replace(context, scratch=context.file('%s-%g' % (model, width)))
     os.makedirs(context.scratch)
     subsets, seconds = {}, {}
@@ -98,7 +99,7 @@ def _row(context, model, points, normals, width):
 
 
 def _lost(context, surface, points, normals, subsets, width):
-    """For each subset the distances to the surface of all points, or why there is none."""
+    """Returns, for each subset, the distances of its surface to that of all points, or why it has no surface."""
     cell = (QUICK_CELLS if context.quick else CELLS)[surface]
 
     def surface_of(name, part):
@@ -155,7 +156,7 @@ def _seconds(raw):
 
 
 def _paper(raw):
-    """The paper's rows, with ours beside them where the model is the same."""
+    """Returns the paper's rows, with ours next to them if the model is the same."""
     ours = {(row['model'], row['sigma_p']): row['lost']['remesh']['ours'] for row in raw['rows']}
     rows = []
     for model, measures in PAPER.items():
@@ -171,7 +172,7 @@ def _paper(raw):
 
 
 def _sentences(raw):
-    """What is better and what is worse."""
+    """Returns what is better and what is worse."""
     sentences = [_against_others(raw, surface, name, key, label) for surface, name in SURFACES.items()
                  for key, label in MEASURES.items()]
     models = {row['model'] for row in raw['rows'] if row['sigma_p'] in WIDTHS}
@@ -193,7 +194,7 @@ def _against_others(raw, surface, name, key, label):
 
 
 def _against_paper(raw, model, key, label):
-    """Ours here against the paper's own printed figures of its method."""
+    """Compares our figures with those that the paper prints for its own method."""
     parts = {'better': [], 'worse': []}
     for row in raw['rows']:
         here = row['lost']['remesh']['ours'].get(key)

@@ -1,4 +1,4 @@
-"""Measures of meshes, written for this harness alone: none of it is the code of a program that is measured."""
+"""Measures of meshes, written for this harness: they share no code with the programs that are measured."""
 
 from . import crossings, distance, shape, sharp_edges, topology
 
@@ -6,8 +6,8 @@ SAMPLES = 100_000
 
 
 def measure(mesh, reference, seed=0, sharp=False):
-    """All measures of a mesh that is to be `reference` with other triangles, as what JSON can hold; with `sharp` those of
-    the sharp edges, too."""
+    """Returns all measures of a remeshing of `reference`, as JSON-compatible values; with `sharp`, also those of the
+    sharp edges."""
     found, wanted = topology.topology(mesh), topology.topology(reference)
     closed = found['boundary_loops'] == wanted['boundary_loops'] == 0
     kind = ('euler', 'components', 'boundary_loops')

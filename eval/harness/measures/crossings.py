@@ -1,17 +1,17 @@
-"""Faces that cross each other: those that MeshLab selects as self-intersecting, if they pass through another of them.
+"""Crossing faces: those that MeshLab selects as self-intersecting, if they pass through another selected face.
 
-The selector alone takes faces on one plane that share a corner, and faces that only touch, too: on flat sides of CAD
+The selector alone also selects coplanar faces that share a corner, and faces that only touch: on flat sides of CAD
 parts it finds hundreds that do not cross.
 """
 
 import numpy as np
 
-# How deep one face reaches through another at the least, as a share of the mesh's diagonal: what is less is contact.
+# Minimum depth by which crossing faces pass through each other, relative to the mesh's diagonal: less is contact.
 CONTACT = 1e-6
 
 
 def crossing_faces(mesh):
-    """How many faces cross another one."""
+    """Returns the number of faces that cross another face."""
     import pymeshlab
     if not len(mesh.triangles):
         return 0
@@ -23,7 +23,7 @@ def crossing_faces(mesh):
 
 
 def _crossed(corners, depth):
-    """Which of the triangles (F, 3, 3) pass through another one."""
+    """Returns which of the triangles (F, 3, 3) pass through another one."""
     low, high = corners.min(axis=1), corners.max(axis=1)
     found = np.zeros(len(corners), bool)
     for face in range(len(corners)):
@@ -36,7 +36,8 @@ def _crossed(corners, depth):
 
 
 def _pierced(triangle, others, depth):
-    """Through which of the others a side of the triangle passes, with both ends and to all sides deeper than that."""
+    """Returns which of the others a side of the triangle pierces, with both ends and the piercing point deeper than
+    `depth`."""
     a = others[:, 0]
     normals = _unit(np.cross(others[:, 1] - a, others[:, 2] - a))
     heights = (triangle - a[:, None]) @ normals[:, :, None]

@@ -1,20 +1,20 @@
-"""How far a surface is from the sharp edges of another.
+"""Distance of a surface from the sharp edges of another.
 
-Points are taken evenly by length on the edges of the reference between two faces whose normals are at least `LEAST`
-degrees apart. Each has its exact distance to the surface that is measured, in percent of the diagonal of the
-reference's bounding box: where triangles cut an edge off, or round it, that is how far.
+Points are sampled uniformly by length on the edges of the reference whose dihedral angle is at least `LEAST` degrees.
+Each has its exact distance to the measured surface, in percent of the diagonal of the reference's bounding box: it
+shows how far triangles cut an edge off or round it.
 """
 
 import numpy as np
 
 from .distance import to_surface
 
-# Sharp by the settings of all programs that keep such edges.
+# Dihedral angle in degrees that is sharp with the settings of all programs that keep sharp edges.
 LEAST = 60
 
 
 def distances(mesh, reference, samples, seed=0):
-    """RMS and largest distance of `samples` points; None where there are no such edges, or no triangles."""
+    """Returns the RMS and largest distance of `samples` points; None if there are no sharp edges, or no triangles."""
     ends = reference.vertices[sharp_edges(reference)]
     if not len(ends) or not len(mesh.triangles):
         return None
@@ -28,8 +28,8 @@ def distances(mesh, reference, samples, seed=0):
 
 
 def sharp_edges(mesh, least=LEAST):
-    """Edges of exactly two faces at such an angle, as pairs of vertices: (E, 2). Faces without area have no normal, and
-    their edges are not sharp."""
+    """Returns the sharp edges with exactly two faces, as pairs of vertices: (E, 2). Faces without area have no normal,
+    and their edges are not sharp."""
     a, b, c = mesh.corners().transpose(1, 0, 2)
     normals, doubled = np.cross(b - a, c - a), 2 * mesh.areas()
     ends = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)

@@ -1,8 +1,8 @@
-"""What kind of surface a mesh is: counts, Euler characteristic, pieces, boundaries, faults.
+"""Topology of a mesh: counts, Euler characteristic, components, boundaries, faults.
 
-Triangles with two equal corners are counted and otherwise left out. A mesh is a manifold if no edge has more than two
-triangles and the triangles at each vertex make one fan, and oriented if the triangles of no edge run along it in the
-same direction.
+Triangles with two equal corners are counted but otherwise ignored. A mesh is manifold if no edge has more than two
+triangles and the triangles at each vertex form one fan. It is oriented if no two triangles traverse their common edge
+in the same direction.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 
 def topology(mesh):
-    """Counts of a mesh as `remesh quality` has them, found by other means."""
+    """Returns the same counts of a mesh as `remesh quality`, computed in a different way."""
     proper = np.all(mesh.triangles != np.roll(mesh.triangles, 1, axis=1), axis=1)
     sides = _Sides(mesh.triangles[proper])
     vertices, edges, faces = len(np.unique(sides.faces)), len(sides.edges), len(sides.faces)
@@ -32,13 +32,13 @@ def topology(mesh):
 
 
 def is_manifold(found):
-    """Whether counts of `topology` are those of an oriented manifold."""
+    """Returns whether counts of `topology` are those of an oriented manifold."""
     faults = ('degenerate_faces', 'nonmanifold_edges', 'nonmanifold_vertices', 'misoriented_edges')
     return not any(found[key] for key in faults)
 
 
 class _Sides:
-    """The sides of all faces, and the edges that they are."""
+    """The sides of all faces, and the edge of each side."""
 
     def __init__(self, faces):
         self.faces = faces
@@ -53,22 +53,22 @@ class _Sides:
 
 
 def _labels(pairs, size):
-    """The component of each of `size` nodes that are joined in pairs."""
+    """Returns the component of each of `size` nodes, which are joined in pairs."""
     graph = coo_matrix((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
     return connected_components(graph, directed=False)[1]
 
 
 def _pieces(edges):
-    """Number of pieces that edges make where they meet at vertices: of a surface by all of its edges, of its boundary
-    by those of one face."""
+    """Returns the number of connected components of edges that meet at vertices: of a surface if given all edges, of
+    its boundary if given the edges with one face."""
     vertices, ends = np.unique(edges, return_inverse=True)
     return len(np.unique(_labels(ends.reshape(-1, 2), len(vertices)))) if len(vertices) else 0
 
 
 def _nonmanifold_vertices(sides):
-    """Number of vertices at which the corners of faces, joined where they share an edge, are in several pieces."""
+    """Returns the number of vertices whose face corners, joined where they share an edge, form several fans."""
     corners = 3 * len(sides.faces)
-    # Corner i of a face lies on its side i at the one end, and on side i - 1 at the other.
+    # Corner i of a face is one end of its side i, and the other end of its side i - 1.
     here = sides.faces.ravel()
     after = sides.edge
     before = np.roll(sides.edge.reshape(-1, 3), 1, axis=1).ravel()
@@ -84,7 +84,7 @@ def _nonmanifold_vertices(sides):
 
 
 def _interior_valences(sides):
-    """How many vertices have two faces at each of their edges, and the numbers of edges of these."""
+    """Returns the number of vertices with two faces at each of their edges, and the valences of these vertices."""
     size = int(sides.faces.max(initial=-1)) + 1
     valence = np.bincount(sides.edges.ravel(), minlength=size)
     rim = np.zeros(size, bool)

@@ -1,19 +1,18 @@
-"""The other remeshers, and this one, all behind the same process boundary.
+"""The other remeshers and this one, each run as a separate process.
 
-A module here is one program:
+Each module here is one program:
 
-    LABEL      how tables call it
-    SETTINGS   with what it runs, and why
+    LABEL      its name in tables
+    SETTINGS   the settings that it runs with, and why
     BY_PIP     whether it installs without a compiler
-    COUNTS     whether it takes a number of vertices; if not, the length of edges, tuned until the number fits
+    COUNTS     whether it takes a number of vertices; otherwise it takes an edge length, tuned until the number fits
 
 Programs have `missing()` (a reason, or None), `version()`, `command(source, target, wanted, sharp)` (a list of words)
-and `seconds(output, target)` (of remeshing alone, from what was printed or written; None where it is not told). Python
-packages have PACKAGE, their name, and `load(path)`, `remesh(model, wanted, sharp)` and `save(model, path)`; they run as
-a process of their own by `python -m harness.peers NAME SOURCE TARGET WANTED [sharp]`, which prints the seconds of
-`remesh`.
+and `seconds(output, target)` (of remeshing alone, from what was printed or written; None if not reported). Python
+packages have PACKAGE, their name, and `load(path)`, `remesh(model, wanted, sharp)` and `save(model, path)`. They run in
+a separate process, `python -m harness.peers NAME SOURCE TARGET WANTED [sharp]`, which prints the seconds of `remesh`.
 
-Sources are PLY files that harness.mesh wrote. `sharp` is whether the model is a CAD part whose sharp edges are to stay.
+Sources are PLY files written by harness.mesh. `sharp` says whether the model is a CAD part whose sharp edges must stay.
 """
 
 import importlib
@@ -21,14 +20,14 @@ import importlib.metadata
 import json
 import sys
 
-# In the order of tables: the one that is compared comes first.
+# In the order of tables: the program that is compared with the others comes first.
 NAMES = ['remesh', 'ascent', 'meshlab', 'poisson', 'cgal', 'acvd', 'geogram', 'gpytoolbox', 'mmgs', 'meshlib',
          'instant_meshes', 'baby_shark']
 OURS = ['remesh', 'ascent']
 
 
 def peer(name):
-    """The program of that name, with all that a program has."""
+    """Returns the program with this name, with the complete interface of a program."""
     module = importlib.import_module('.' + name, __package__)
     return _Package(name, module) if hasattr(module, 'PACKAGE') else module
 
@@ -60,10 +59,10 @@ class _Package:
 
 
 def last_json(output):
-    """The JSON of the last line that a program printed."""
+    """Returns the JSON in the last line that a program printed."""
     return json.loads(output.strip().splitlines()[-1])
 
 
 def edge_length(mesh, wanted):
-    """The length of edges with which `wanted` vertices at hexagonal packing fill the area of the mesh."""
+    """Returns the edge length with which `wanted` vertices in hexagonal packing fill the area of the mesh."""
     return (2 * float(mesh.areas().sum()) / (3 ** 0.5 * wanted)) ** 0.5

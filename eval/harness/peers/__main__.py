@@ -1,6 +1,6 @@
-"""A remesher that is a Python package, as a process: `python -m harness.peers NAME SOURCE TARGET WANTED [sharp]`.
+"""Runs a remesher that is a Python package: `python -m harness.peers NAME SOURCE TARGET WANTED [sharp]`.
 
-Prints the seconds of remeshing alone, without starting Python, reading and writing, as JSON.
+Prints the seconds of remeshing alone as JSON, excluding the start of Python, reading and writing.
 """
 
 import importlib

@@ -1,4 +1,4 @@
-"""Approximated centroidal Voronoi diagrams (the paper's VR) as in pyacvd."""
+"""Approximated centroidal Voronoi diagrams (the paper's VR) by pyacvd."""
 
 LABEL = 'pyacvd'
 PACKAGE = 'pyacvd'

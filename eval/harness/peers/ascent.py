@@ -1,4 +1,4 @@
-"""This project's own program held to what the paper does: samples by scan and ascent, joined, not optimised."""
+"""This project's own program restricted to the paper's method: samples by scan and ascent, joined, not optimised."""
 
 from . import remesh
 from .remesh import BY_PIP, COUNTS, missing, seconds, version  # noqa: F401

@@ -1,4 +1,4 @@
-"""The Rust crate baby_shark, by the program that `eval/setup` builds of eval/peers/baby_shark."""
+"""The Rust crate baby_shark, through the program that `eval/setup` builds from eval/peers/baby_shark."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""CGAL's isotropic remeshing, by the program that `eval/setup` builds of eval/peers/cgal.cpp."""
+"""CGAL's isotropic remeshing, through the program that `eval/setup` builds from eval/peers/cgal.cpp."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Restricted centroidal Voronoi remeshing (the paper's YR) by geogram's vorpalite, where one is on the path."""
+"""Restricted centroidal Voronoi remeshing (the paper's YR) by geogram's vorpalite, if it is on the path."""
 
 import shutil
 import subprocess
@@ -23,5 +23,5 @@ def command(source, target, wanted, _sharp):
 
 
 def seconds(_output, _target):
-    """It does not tell them; whole processes are compared."""
+    """Returns None, since vorpalite does not report its time; whole processes are compared."""
     return None

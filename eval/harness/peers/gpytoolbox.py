@@ -1,4 +1,4 @@
-"""Botsch and Kobbelt's remeshing (2004) as in gpytoolbox."""
+"""Botsch and Kobbelt's remeshing (2004) by gpytoolbox."""
 
 from .. import mesh
 from . import edge_length
@@ -11,7 +11,7 @@ COUNTS = False
 
 
 def load(path):
-    # Imports here, so that they do not count as remeshing.
+    # Imported here, so that the import does not count as remeshing.
     import gpytoolbox  # noqa: F401
     return mesh.read_ply(path)
 

@@ -24,7 +24,7 @@ def remesh(model, wanted, sharp):
     given, own = model
     settings = mr.RemeshSettings()
     settings.targetEdgeLen = edge_length(given, wanted)
-    # The default bounds the splits, and so the vertices.
+    # The default limits the number of splits, and so the number of vertices.
     settings.maxEdgeSplits = 10_000_000
     settings.finalRelaxIters = 10
     settings.finalRelaxNoShrinkage = True

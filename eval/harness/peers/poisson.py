@@ -1,4 +1,4 @@
-"""MeshLab's Poisson-disk samples, joined by ball pivoting."""
+"""MeshLab's Poisson-disk samples, triangulated by ball pivoting."""
 
 from .meshlab import PACKAGE, load, save  # noqa: F401
 

@@ -1,4 +1,4 @@
-"""MeshLab on a point cloud: a Poisson-disk subset of the points, joined by ball pivoting."""
+"""MeshLab on a point cloud: a Poisson-disk subset of the points, triangulated by ball pivoting."""
 
 from .meshlab import PACKAGE, load, save  # noqa: F401
 

@@ -1,4 +1,4 @@
-"""This project's own program, by its command line like any other."""
+"""This project's own program, run by its command line like any other."""
 
 import json
 import os
@@ -12,7 +12,7 @@ BY_PIP = False
 COUNTS = True
 BINARY = Context.binary
 
-# Stages of the report that are not remeshing.
+# Stages of the report that do not count as remeshing.
 APART = ('read', 'measure', 'write')
 
 
@@ -25,7 +25,7 @@ def version():
 
 
 def command(source, target, wanted, _sharp, options=()):
-    """Sharp edges are found by the program itself."""
+    """Returns the command. The program finds sharp edges itself."""
     return [BINARY, source, target, '--points', str(wanted), '--quiet', '--report', target + '.json', *options]
 
 

@@ -1,4 +1,4 @@
-//! Levels of detail: a file each, all in one, or as tiles.
+//! Levels of detail: one file each, all in one file, or as tiles.
 
 use super::*;
 
@@ -22,7 +22,7 @@ fn levels_are_files_or_one_file() {
     assert!(fine.1.starts_with("\"read\" \"repair\" \"sample\"") && fine.1.ends_with("\"measure\""), "{}", fine.1);
     assert!(coarse.1.starts_with("\"sample\"") && coarse.1.ends_with("\"write\""), "{}", coarse.1);
 
-    // One file, of which other programs read the finest level; a page of all levels; and the worst of their statuses.
+    // One file, from which other programs read the finest level; a page with all levels; and the worst of their exit statuses.
     let ran = run(folder.path(), "sphere.off out.glb --levels 400,100 --max-error 0.02 --report r.html -q");
     assert_eq!(ran.status, 3, "{}", ran.err);
     assert!(ran.err.starts_with("remesh: out.glb, level 2: written but not verified"), "{}", ran.err);
@@ -52,7 +52,7 @@ fn levels_are_tiles_that_name_their_files() {
             .as_u64()
     };
     assert_eq!((quality(coarse), quality(fine)), (Some(100), Some(400)));
-    // The error of the coarse level is the distance that its report tells, in percent of the diagonal.
+    // The error of the coarse level is the distance that its report gives in percent of the diagonal.
     let told = 0.01 * reports[1]["distance"]["hausdorff"].as_f64().unwrap() * 12f64.sqrt();
     let error = coarse["geometricError"].as_f64().unwrap();
     assert!((error / told - 1.0).abs() < 0.1 && fine["geometricError"] == 0.0, "{error} {told}");

@@ -1,4 +1,4 @@
-//! Shapes drawn at random.
+//! Random shapes.
 
 use super::*;
 use glam::{DVec3, dvec3};
@@ -34,8 +34,8 @@ proptest! {
         n in 1u32..30, m in 1u32..30, width in 0.001f64..1.0, noise in 0.0f64..0.1, wanted in 3usize..400,
         seed in any::<u64>(),
     ) {
-        // More noise than a share of its width would crumple a strip so much that vertices were farther off than they
-        // may be.
+        // Noise above a share of the width would crumple the strip so much that vertices would be farther from it than
+        // allowed.
         let across = dvec3(1.0, width, width);
         let input = moved(noisy(sheet(n, m), noise, &mut random(seed)), |p| p * across);
         let made = check_with("sheet", &input, &Options { seed, ..points(wanted) });

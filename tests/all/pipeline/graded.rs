@@ -4,7 +4,7 @@ use super::*;
 use glam::{DVec3, dvec3};
 use spectral_remesh::{Grading, Values};
 
-/// A sphere and a field over it that grows threefold from its lowest point to its highest.
+/// Returns a sphere, and a field over it that grows threefold from its lowest point to its highest.
 fn sphere_with_field() -> (Mesh, fn(DVec3) -> f64) {
     (sphere(5, DVec3::ZERO, 1.0), |p| 0.08 * (1.0 + 0.5 * p.z))
 }
@@ -13,7 +13,7 @@ fn at_vertices(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
     mesh.positions.iter().map(|&p| field(p)).collect()
 }
 
-/// The lengths of the edges of `mesh`, in units of what `field` wants at their middles.
+/// Returns the edge lengths of `mesh`, relative to the target length that `field` gives at their midpoints.
 fn relative_lengths(mesh: &Mesh, field: impl Fn(DVec3) -> f64) -> Vec<f64> {
     let ends = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
     let ends = ends.map(|(a, b)| (mesh.positions[a as usize], mesh.positions[b as usize]));
@@ -40,7 +40,7 @@ fn edges_follow_a_field() {
     }
 }
 
-/// The vertices of a field are not those of the repaired input: its lengths are found again by place.
+/// The vertices of a field are not those of the repaired input: its lengths are matched by position.
 #[test]
 fn a_field_survives_repairs() {
     let (input, field) = sphere_with_field();

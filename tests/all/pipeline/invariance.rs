@@ -1,11 +1,11 @@
-//! What a result does not depend on.
+//! Properties of the input on which the result does not depend.
 
 use super::*;
 use glam::{DVec3, dvec3};
 use spectral_remesh::Grading;
 use spectral_remesh::stages::prepare::repair::Repairs;
 
-/// Quality and topology do not depend on where the input is, how large it is and how it is turned.
+/// Quality and topology do not depend on the position, size and orientation of the input.
 #[test]
 #[ignore = "slow"]
 fn place_and_size_do_not_matter() {
@@ -22,7 +22,7 @@ fn place_and_size_do_not_matter() {
     }
 }
 
-/// A scale by a power of two is exact: the same result to the last bit.
+/// Scaling by a power of two is exact: the result is the same to the last bit.
 #[test]
 fn a_scale_by_a_power_of_two_changes_no_digit() {
     let input = cage();

@@ -1,4 +1,4 @@
-//! The pipeline from mesh to mesh on shapes of all kinds: what comes out has the topology of what went in.
+//! The pipeline from mesh to mesh on shapes of all kinds: the result has the topology of the input.
 
 mod any_shape;
 mod graded;
@@ -17,7 +17,7 @@ fn points(n: usize) -> Options {
     Options { density: Density::Points(n), ..Options::default() }
 }
 
-/// Remeshes, and checks all that is promised of any input.
+/// Remeshes, and checks everything that is promised for any input.
 #[track_caller]
 fn check_with(name: &str, input: &Mesh, options: &Options) -> Remeshed {
     let made = remesh(input, options, &()).unwrap_or_else(|e| panic!("{name}, {options:?}: {e}"));
@@ -25,7 +25,7 @@ fn check_with(name: &str, input: &Mesh, options: &Options) -> Remeshed {
     let t = audit(&made.mesh);
     assert_eq!((t.euler, t.components), (made.repaired.euler, made.repaired.components), "{name}");
     if made.mesh.positions.len() != made.wanted {
-        // A piece of the topology of a sphere has at least four vertices, one of a torus seven, and so on.
+        // A component with the topology of a sphere needs at least four vertices, a torus seven, and so on.
         let few = made.wanted < 150 + 4 * made.repaired.components;
         let excused = made.mesh.positions.len() > made.wanted && few && !made.notes.is_empty();
         assert!(excused, "{name}: {} of {}", made.mesh.positions.len(), made.wanted);
@@ -39,12 +39,12 @@ fn check(name: &str, input: &Mesh, n: usize) -> Remeshed {
     check_with(name, input, &points(n))
 }
 
-/// All vertices lie on the input, or off it by a share of an edge where sheets had to part.
+/// Checks that all vertices lie on the input, or off it by a fraction of an edge where sheets had to be separated.
 #[track_caller]
 fn on_the_surface(name: &str, input: &Mesh, mesh: &Mesh) {
     let bvh = Bvh::new(input);
     let largest = input.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    // Only half of the digits of a foot on a sliver are right.
+    // On a sliver, only half of the digits of a foot are correct.
     let exact = 1e-7 * input.diagonal() + 1e-15 * largest;
     let tolerance = exact + 0.15 * shape(mesh).unwrap().edge_max;
     for &p in &mesh.positions {
@@ -53,7 +53,7 @@ fn on_the_surface(name: &str, input: &Mesh, mesh: &Mesh) {
     }
 }
 
-/// No vertex of the input is farther from the result than `reach` spacings.
+/// Checks that no vertex of the input is farther than `reach` spacings from the result.
 #[track_caller]
 fn covers(name: &str, input: &Mesh, made: &Remeshed, reach: f64) {
     let bvh = Bvh::new(&made.mesh);
@@ -64,7 +64,7 @@ fn covers(name: &str, input: &Mesh, made: &Remeshed, reach: f64) {
     }
 }
 
-/// Four vertices, ten, some, and many.
+/// Checks four vertices, ten, some, and many.
 #[track_caller]
 fn at_all_counts(name: &str, input: &Mesh) {
     for n in [4, 10, 150, 1000] {

@@ -1,4 +1,4 @@
-//! Inputs that are no oriented manifold.
+//! Inputs that are not oriented manifolds.
 
 use super::*;
 use glam::{DVec3, dvec3};
@@ -14,7 +14,8 @@ fn surfaces_without_two_sides_are_cut_and_stay_manifold() {
     }
 }
 
-/// Separate triangles whose corners rounding parted are one surface; cracks are told with what closes them.
+/// Separate triangles whose corners rounding moved apart become one surface; wider cracks are reported with the option that
+/// closes them.
 #[test]
 fn seams_that_rounding_opened_are_closed() {
     let apart = |gap: f64| noisy(soup(&torus(30, 15, 3.0, 1.0)), gap, &mut random(3));
@@ -37,7 +38,7 @@ fn seams_that_rounding_opened_are_closed() {
     assert_eq!((closed.output.components, closed.notes.len()), (1, 1));
 }
 
-/// Inputs that are no manifold, and what has to be done to them.
+/// Inputs that are not manifold, and the repairs that they need.
 #[test]
 fn broken_inputs_are_mended_and_the_repairs_reported() {
     let cube = || cells(&[[0; 3]]);
@@ -83,8 +84,8 @@ fn broken_inputs_are_mended_and_the_repairs_reported() {
     assert_eq!((made.output.euler, made.output.components), (-2, 1));
 }
 
-/// A block with vertices on its edges that rounding moved off them, as where a program cut it out of another: the triangles between
-/// the vertices and the edge have no area, and no normal either.
+/// A block with vertices that rounding moved off its edges, as when a program cuts one body out of another: the triangles
+/// between these vertices and the edge have no area, and hence no normal.
 #[test]
 fn caps_that_rounding_made_leave_no_slivers() {
     let mut input = cuboid(dvec3(3.0, 10.0, 17.0));
@@ -139,7 +140,7 @@ fn a_fin_at_an_edge_of_a_body_is_left_out_and_told() {
 
 #[test]
 fn a_hole_far_smaller_than_edges_is_closed_and_told() {
-    // A block in one of whose faces is a triangular hole, a share of it as large.
+    // A block with a triangular hole in one of its triangles, scaled down by `share`.
     let with_hole = |share: f64| {
         let mut input = cuboid(DVec3::ONE);
         let corners = input.triangles.pop().unwrap();
@@ -160,7 +161,7 @@ fn a_hole_far_smaller_than_edges_is_closed_and_told() {
     assert!(made.output.boundary_loops == 1 && !made.notes.iter().any(told), "{:?}", made.notes);
 }
 
-/// A solid that touches itself along an edge and at a corner, and one whose insides do.
+/// A solid that touches itself along an edge and at a corner, and one whose inside does.
 #[test]
 #[ignore = "slow"]
 fn surfaces_that_touch_themselves() {
@@ -172,7 +173,7 @@ fn surfaces_that_touch_themselves() {
     at_all_counts("caves that meet at a corner", &cells(&holes([2, 2, 2]).collect::<Vec<_>>()));
 }
 
-/// Triangles between a few points at random: nothing about such a mesh is in order.
+/// Random triangles between a few points: such a mesh has every kind of fault.
 #[test]
 #[ignore = "slow"]
 fn heaps_of_random_triangles() {

@@ -1,4 +1,4 @@
-//! What can be asked for, and what is refused or stopped.
+//! Requests that are fulfilled, refused or cancelled.
 
 use super::*;
 use glam::{DVec3, dvec3};
@@ -65,8 +65,8 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
     }
 }
 
-/// What bounds the distance bounds that of samples, too. Too few points do not keep to it; the number that is chosen
-/// does.
+/// The bound of the distance also bounds the distance of samples. Too few points do not keep the requested bound; the
+/// automatically chosen number does.
 #[test]
 #[ignore = "slow"]
 fn the_error_is_bounded() {
@@ -91,7 +91,7 @@ fn the_error_is_bounded() {
     assert!(!fewer.verified(), "{} of {}", fewer.wanted, made.wanted);
 }
 
-/// Cubes of six tetrahedra each, every tetrahedron written as if it were a skew square.
+/// Returns cubes of six tetrahedra each, with every tetrahedron written as a skew quadrilateral.
 fn tetrahedra_as_squares(n: u32) -> Mesh {
     let at = |x: u32, y: u32, z: u32| (x * (n + 1) + y) * (n + 1) + z;
     let lattice = |m: u32| (0..m).flat_map(move |x| (0..m).flat_map(move |y| (0..m).map(move |z| [x, y, z])));
@@ -116,7 +116,7 @@ fn the_inside_of_a_volume_is_refused() {
     assert!(cause.contains("three faces or more") && remedy.contains("outside"), "{cause}; {remedy}");
 }
 
-/// A monitor that stops at the stage of a name.
+/// A monitor that cancels at the stage with this name.
 struct StopAt(&'static str, std::sync::atomic::AtomicBool);
 
 impl Monitor for StopAt {

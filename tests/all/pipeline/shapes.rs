@@ -1,4 +1,4 @@
-//! Shapes that are hard each in its own way, at all numbers of vertices.
+//! Shapes that are each difficult in a different way, at all vertex counts.
 
 use super::*;
 use glam::{DVec3, dvec3};
@@ -32,14 +32,14 @@ fn thin_things() {
     at_all_counts("foil", &plate(12, 1e-6));
     at_all_counts("rod", &cuboid(dvec3(0.01, 0.01, 1.0)));
     at_all_counts("needles", &cylinder(100, 0.05, 0.05, 10.0));
-    // The tip is thinner than a hundredth of a spacing over several spacings: some of it is lost.
+    // Over several spacings, the tip is thinner than a hundredth of the spacing, so part of it is lost.
     for n in [4, 10, 150] {
         check("thorn", &thorn(), n);
     }
     covers("thorn", &thorn(), &check("thorn", &thorn(), 1000), 10.0);
 }
 
-/// Samples that are as far apart as is wanted elsewhere are too few to go around it.
+/// Samples with the spacing of the rest of the surface are too few to go around the rod.
 #[test]
 fn a_rod_thinner_than_the_edges_keeps_its_shape_and_good_triangles() {
     for radius in [0.015, 0.02] {
@@ -52,13 +52,13 @@ fn a_rod_thinner_than_the_edges_keeps_its_shape_and_good_triangles() {
     }
 }
 
-/// A sphere and a ring of wire of that radius beside it.
+/// Returns a sphere, and beside it a ring of wire of this radius.
 fn sphere_and_ring(radius: f64) -> Mesh {
     let ring = moved(torus(120, 16, 0.8, radius), |p| p + 2.2 * DVec3::X);
     together(&[sphere(4, DVec3::ZERO, 1.0), ring])
 }
 
-/// Where samples are lost along a wire, what is left may fit together across its bend.
+/// Where samples are lost along a wire, the remaining ones may be joined across its bend.
 #[test]
 #[ignore = "slow"]
 fn a_ring_of_wire_is_not_cut_across_without_a_word() {
@@ -107,12 +107,12 @@ fn sheets_nearer_than_the_triangles_are_high_do_not_cross() {
     }
 }
 
-/// A torus with noise of half an edge in the mean, of so many vertices around and across.
+/// Returns a torus with this number of vertices around and across, and noise of half an edge length on average.
 fn rough(around: u32, across: u32) -> Mesh {
     noisy(torus(around, across, 1.0, 0.4), 0.87 * std::f64::consts::TAU / f64::from(around), &mut random(5))
 }
 
-/// Where noise turns triangles to all sides no edge is sharp, and ways over the surface lead back to where they began.
+/// Where noise turns triangles in all directions, no edge is sharp, and walks over the surface run in circles.
 #[test]
 #[ignore = "slow"]
 fn a_rough_surface_far_denser_than_the_result_becomes_a_good_one() {
@@ -125,14 +125,14 @@ fn a_rough_surface_far_denser_than_the_result_becomes_a_good_one() {
     assert!(!made.is_rough, "{:?}", made.notes);
 }
 
-/// Hardly any of its edges can collapse, so that there is no coarser mesh to begin with.
+/// Hardly any of its edges can collapse, so there is no coarser mesh to start from.
 #[test]
 #[ignore = "slow"]
 fn a_rough_surface_about_as_dense_as_the_result_comes_to_an_end() {
     check("rough", &rough(300, 120), 7_500);
 }
 
-/// Where the input crosses itself the result does so, too, and nothing is bent for it.
+/// Where the input intersects itself, the result does too, and is not bent to avoid this.
 #[test]
 fn crossings_of_the_input_stay_and_are_told() {
     let input = together(&[sphere(4, DVec3::ZERO, 1.0), sphere(4, DVec3::X, 1.0)]);
@@ -140,11 +140,12 @@ fn crossings_of_the_input_stay_and_are_told() {
     assert!(made.self_intersections.len() > 20 && made.self_intersections_of_input > Some(20) && made.verified());
     assert!(made.notes.iter().any(|note| note.contains("intersect")), "{:?}", made.notes);
     let bvh = Bvh::new(&input);
-    // The fit takes vertices off the surface by some thousandths; parting sheets would do so by 0.15 of an edge, 0.03.
+    // The fit moves vertices off the surface by a few thousandths; separating sheets would move them by 0.15 edges, or 0.03.
     assert!(made.mesh.positions.iter().all(|&p| bvh.closest(&input, p).unwrap().distance_squared < 0.01 * 0.01));
 }
 
-/// Bodies that touch along a part of an edge of each, whose corners are elsewhere: rounding says that some faces pass through others.
+/// Bodies that touch along a part of an edge of each, with corners elsewhere: because of rounding, some faces pass through
+/// others.
 #[test]
 fn bodies_that_touch_along_an_edge_do_not_cross() {
     let turned = rotated(cuboid(DVec3::ONE), DVec3::Z, 0.3);
@@ -154,7 +155,7 @@ fn bodies_that_touch_along_an_edge_do_not_cross() {
     assert_eq!(made.output.components, 2);
 }
 
-/// The boundaries of many open needles would take a hundred times the wanted vertices.
+/// The boundaries of many open needles would need a hundred times the target number of vertices.
 #[test]
 #[ignore = "slow"]
 fn a_boundary_that_is_long_for_its_area_ends_in_time() {
@@ -175,7 +176,7 @@ fn many_pieces() {
     at_all_counts("dust", &together(&dust));
 }
 
-/// A flat star with twelve tips, twice as wide as `radius`.
+/// Returns a flat star with twelve tips at the distance `radius` from its centre.
 fn star(radius: f64) -> Mesh {
     let rim = (0..36).map(|i| {
         let (sine, cosine) = (f64::from(i) * TAU / 36.0).sin_cos();
@@ -212,8 +213,9 @@ fn open_surfaces() {
     }
 }
 
-/// The triangles face in all directions, and every edge turns. That is noise, unless the edges are nearly as long as those wanted,
-/// or asked for: then there is no room for all of them. There are as many vertices as are wanted either way.
+/// The triangles face in all directions, and every edge has a large dihedral angle. This is noise, unless the edges are
+/// nearly as long as the target edge length or sharp edges were requested; then there is no room for all of them. Either
+/// way, the result has the target number of vertices.
 #[test]
 #[ignore = "slow"]
 fn a_crumpled_ball() {
@@ -228,7 +230,7 @@ fn a_crumpled_ball() {
     }
 }
 
-/// What is too thin for its samples is triangulated as the input is; that must not spoil the piece beside it.
+/// A component that is too thin for its samples is triangulated like the input; this must not spoil the component beside it.
 #[test]
 #[ignore = "slow"]
 fn a_hair_beside_a_ball() {

@@ -1,4 +1,4 @@
-//! Samples of points without triangles.
+//! Sampling of points without triangles.
 
 use super::*;
 use crate::common::noisy;
@@ -12,7 +12,7 @@ fn a_subset_of_a_cloud() {
     let ball = sphere(5, DVec3::ZERO, 1.0);
     let without = subset(&cloud(ball.positions.clone()), 400);
     assert_eq!(without.points.positions().len(), 400);
-    // Normals that are not given are estimated, all outwards.
+    // Missing normals are estimated, all of them pointing outwards.
     let facing = |(p, n): (&DVec3, &DVec3)| n.dot(*p);
     let sides: Vec<f64> = without.points.positions().iter().zip(without.points.normals()).map(facing).collect();
     assert!(sides.iter().all(|side| *side > 0.99), "{sides:?}");
@@ -41,7 +41,7 @@ fn blue_noise_on_a_cloud() {
     let centre = dvec3(1e3, -2e3, 5.0);
     let ball = sphere(6, centre, 20.0);
     let given = Points::new(ball.positions.clone(), ball.positions.iter().map(|p| *p - centre).collect()).unwrap();
-    // Without normals as well, and more samples than points.
+    // Also without normals, and with more samples than points.
     for (points, n) in [(&given, 300), (&given, 1000), (&cloud(ball.positions.clone()), 1000), (&given, 6000)] {
         let made = sample_points(points, &count(n), &()).unwrap();
         assert_eq!((made.points.positions().len(), made.points.normals().len(), made.wanted), (n, n, Some(n)));
@@ -80,7 +80,7 @@ fn noise_of_a_cloud_is_not_sampled() {
     assert!(off(made.points.positions()) < 0.4 * off(&ball.positions), "{}", off(made.points.positions()));
 }
 
-/// Samples stay on an open sheet, and on either side of a thin plate.
+/// Samples stay on an open sheet, and on each side of a thin plate.
 #[test]
 fn samples_keep_to_the_sheet_of_the_cloud() {
     let square =

@@ -1,4 +1,4 @@
-//! Samples without triangles: blue noise in any dimension, on meshes, and subsets of points.
+//! Sampling without triangulation: blue noise in any dimension, on meshes, and subsets of points.
 
 #[path = "../../../examples/any_dimension/ten.rs"]
 mod ten;
@@ -22,12 +22,12 @@ use std::f64::consts::TAU;
 
 const SWEEPS: usize = 10;
 
-/// The radius of disks around `n` points of an area at hexagonal packing.
+/// Returns the radius of disks around `n` points on an area in hexagonal packing.
 fn largest_radius(n: usize, area: f64) -> f64 {
     (area / (2.0 * 3f64.sqrt() * n as f64)).sqrt()
 }
 
-/// ρ: half the distance of the nearest two points, by the largest radius that is possible on that area.
+/// Returns ρ: half the distance of the closest pair of points, divided by the largest possible radius on that area.
 fn poisson_disk_radius<S: Submanifold<D>, const D: usize>(manifold: &S, points: &[S::Point], area: f64) -> f64 {
     let places: Vec<[f64; D]> = points.iter().map(|p| manifold.coordinates(p)).collect();
     let pairs = (0..places.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
@@ -35,7 +35,7 @@ fn poisson_disk_radius<S: Submanifold<D>, const D: usize>(manifold: &S, points: 
     0.5 * squares.fold(f64::INFINITY, f64::min).sqrt() / largest_radius(points.len(), area)
 }
 
-/// Random points after ten sweeps with the kernel of section 7.1 of the paper: σ = 2.5 r for ρ = 0.75.
+/// Returns random points after ten sweeps with the kernel of section 7.1 of the paper: σ = 2.5 r for ρ = 0.75.
 fn relaxed<S: Submanifold<D>, const D: usize>(manifold: &S, mut points: Vec<S::Point>, area: f64) -> Vec<S::Point> {
     let sigma = 2.5 * 0.75 * largest_radius(points.len(), area);
     ascend_freely(manifold, &mut points, AscentParameters { sigma, step: PAPER_STEP, sweeps: SWEEPS }, &()).unwrap();
@@ -54,7 +54,7 @@ fn blue_noise_on_the_toroidal_square_is_that_of_the_paper() {
     assert!(mean >= 0.79, "mean ρ {mean}");
 }
 
-/// Power of blue noise is missing below the main frequency, which is about √(2/√3) √N.
+/// Blue noise has no power below the main frequency, which is about √(2/√3) √N.
 #[test]
 fn low_frequencies_are_missing() {
     let points = relaxed(&FlatTorus, unit_points::<2>(400, 3), 1.0);
@@ -74,7 +74,7 @@ fn a_square_with_borders_and_a_cube() {
     assert!(square.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
     assert!(poisson_disk_radius(&UnitCube, &square, 1.0) > 0.65);
     let mut cube = unit_points::<3>(500, 2);
-    // Spacing of the densest packing of balls.
+    // Spacing in the densest packing of balls.
     let spacing = (2f64.sqrt() / 500.0).cbrt();
     let before = poisson_disk_radius(&FlatTorus, &cube, 1.0);
     ascend_freely(
@@ -116,7 +116,7 @@ fn count(n: usize) -> SampleOptions {
     SampleOptions { density: SampleDensity::Points(n), ..SampleOptions::default() }
 }
 
-/// As if the three coordinates were all there is.
+/// Space as a manifold of three dimensions.
 struct Space;
 
 impl Submanifold<3> for Space {
@@ -194,13 +194,13 @@ fn a_subset_has_the_attributes_of_its_points_but_its_own_numbers() {
     assert_eq!(of(false).attributes().names(), ["height"]);
 }
 
-/// The distance of each point to the nearest other one.
+/// Returns the distance of each point to its nearest neighbour.
 fn nearest(points: &[DVec3]) -> Vec<f64> {
     let others = |i: usize| (0..points.len()).filter(move |&j| j != i).map(move |j| points[i].distance(points[j]));
     (0..points.len()).map(|i| others(i).fold(f64::INFINITY, f64::min)).collect()
 }
 
-/// The standard deviation, over the mean, of how many points lie within three spacings of places on the unit sphere.
+/// Returns the number of points within three spacings of places on the unit sphere: its standard deviation over its mean.
 fn unevenness(points: &[DVec3], places: &[DVec3]) -> f64 {
     let reach = 6.0 * largest_radius(points.len(), 2.0 * TAU);
     let counts = places.iter().map(|p| points.iter().filter(|q| p.distance(**q) < reach).count() as f64);
@@ -259,7 +259,7 @@ fn a_line_and_many_components_have_levels_too() {
     for level in &made.levels {
         assert!(level.smallest_distance > 0.5 * level.spacing, "{level:?}");
     }
-    // Only their places decide which of several balls, far from each other, comes first.
+    // Which of several balls, far from each other, comes first is determined only by their positions.
     let balls: Vec<Mesh> =
         (0..36).map(|i| sphere(2, 20.0 * dvec3(f64::from(i % 6), f64::from(i / 6), 0.0), 1.0)).collect();
     let made = sampled(&together(&balls), &SampleOptions { levels: Some(1), ..count(720) });
@@ -325,12 +325,12 @@ fn what_cannot_be_sampled_is_refused() {
     refused(&cloud(vec![DVec3::NAN]), &subset, "vertex 0");
 }
 
-/// An ellipsoid three times as long as wide: its tips bend most.
+/// Returns an ellipsoid three times as long as wide, with the largest curvature at its tips.
 fn ellipsoid() -> Mesh {
     moved(sphere(6, DVec3::ZERO, 1.0), |p| p * dvec3(3.0, 1.0, 1.0))
 }
 
-/// The share of points that `is_inside`.
+/// Returns the share of points for which `is_inside` holds.
 fn share(points: &[DVec3], is_inside: impl Fn(&DVec3) -> bool) -> f64 {
     points.iter().filter(|p| is_inside(p)).count() as f64 / points.len() as f64
 }
@@ -390,7 +390,7 @@ fn a_width_that_is_given_decides_the_number_of_vertices() {
     assert!(with(0.2) > with(f64::INFINITY) + 50);
 }
 
-/// Samples gather at the sharp edges of a cube, and none is lost to its flat sides.
+/// Samples gather at the sharp edges of a cube and are not drawn away by its flat sides.
 #[test]
 fn samples_gather_at_features() {
     let cube = cuboid(DVec3::ONE);
@@ -402,7 +402,7 @@ fn samples_gather_at_features() {
     grows(&[f64::INFINITY, 1.0, 0.5].map(share), 1.2);
 }
 
-/// A ball with a value at each vertex that changes from -1 to 1 about the equator.
+/// Returns a ball with a value at each vertex, which changes from -1 to 1 around the equator.
 fn striped() -> (Mesh, Vec<f64>) {
     let ball = sphere(6, DVec3::ZERO, 1.0);
     let values = ball.positions.iter().map(|p| (p.z / 0.2).clamp(-1.0, 1.0)).collect();
@@ -435,7 +435,7 @@ fn samples_follow_a_property() {
         assert_eq!((made.verified(), made.mesh.positions.len()), (true, 800));
         at_equator(&made.mesh.positions)
     };
-    // Edge lengths may not differ by much from one to the next, so the band is not as sharp.
+    // Adjacent edge lengths must not differ by much, so the band is less sharp.
     grows(&[1e9, 0.5, 0.2].map(of_vertices), 1.1);
 }
 
@@ -445,7 +445,7 @@ fn a_width_below_zero_is_none() {
     assert!(options.validate().unwrap_err().to_string().contains("not a width"));
 }
 
-/// The attributes of `mesh` whose values are known everywhere: its heat is x + 2 y, its side the sign of z.
+/// Returns attributes of `mesh` whose values are known everywhere: its heat is x + 2 y, its side the sign of z.
 fn heat_and_side(mesh: &Mesh) -> Attributes {
     let of = |name: &str, scalar, value: fn(DVec3) -> f64| Attribute {
         name: name.into(),
