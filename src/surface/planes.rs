@@ -141,11 +141,7 @@ mod tests {
         let sheet = testing::grid(2, 2, |u, v| DVec3::new(u, v, 0.0));
         assert_eq!(planar(sheet), (8, 1));
         let bent = testing::grid(1000, 1, |u, v| DVec3::new(u.sin(), v, u.cos()));
-        assert_eq!(
-            planar(bent),
-            (0, 0),
-            "it dihedral_angles by less than a tenth of a degree at each edge, but by 57 in all"
-        );
+        assert_eq!(planar(bent), (0, 0), "it turns by less than a tenth of a degree at each edge, but by 57 in all");
     }
 
     #[test]
