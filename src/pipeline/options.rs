@@ -1,7 +1,7 @@
 //! Options of remeshing, and validation of their values.
 
 use crate::base::error::{Error, Result, Setting};
-use crate::pipeline::cloud_options::{INTERPOLATING_SUPPORT, check_smooth, smoothing};
+use crate::pipeline::cloud::options::{INTERPOLATING_SUPPORT, check_smooth, smoothing};
 use crate::pipeline::density::{Density, check_count, check_length};
 use crate::pipeline::kernel::{Signal, check_kernel, check_signals};
 use crate::pipeline::selection::Selection;

@@ -1,0 +1,194 @@
+//! Closes pinholes: holes so small compared with the edges that triangles at them would have no computable angles. Repair
+//! leaves them where it takes apart knots of tiny faces.
+//!
+//! Cost: linear in the triangles if there is a boundary.
+
+use crate::mesh::half_edge::next;
+use crate::mesh::oriented_manifold::OrientedManifold;
+use crate::mesh::sides::lower_first;
+use crate::mesh::topology::{NONE, components, twins};
+use crate::mesh::triangle_mesh::Mesh;
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+
+/// Rim length below which a hole is a pinhole, in spacings: samples on it would be a twentieth apart.
+const RIM: f64 = 0.15;
+
+/// Pinholes that were closed.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Pinholes {
+    /// Number of pinholes.
+    pub count: usize,
+    /// Point of the one with the longest rim, in the units of the mesh.
+    pub place: DVec3,
+}
+
+/// Closes the pinholes of `surface`, for edges of length `spacing`.
+pub(in crate::pipeline) fn close_pinholes(surface: &mut OrientedManifold, spacing: f64) -> Pinholes {
+    let mut rims = short_rims(surface, RIM * spacing);
+    if rims.is_empty() {
+        return Pinholes::default();
+    }
+    rims.sort_by(|a, b| b.length.total_cmp(&a.length));
+    without_outlines(surface, &mut rims);
+    let edges = edges_between(surface, rims.iter().flat_map(|rim| &rim.sides));
+    let mut closed = Pinholes::default();
+    for rim in rims {
+        let Some(filling) = rim.filling(surface, &edges) else { continue };
+        if closed.count == 0 {
+            closed.place = surface.positions[surface.origin(rim.sides[0]) as usize];
+        }
+        closed.count += 1;
+        filling.into_iter().for_each(|triangle| surface.add_beside(triangle, rim.sides[0] / 3));
+    }
+    closed
+}
+
+/// Rim of a hole: each side begins where the previous one ends.
+struct Rim {
+    sides: Vec<u32>,
+    length: f64,
+}
+
+impl Rim {
+    /// Returns triangles that close the hole, as a fan around the first rim vertex that none of these `edges` connects to
+    /// another rim vertex except its neighbours; `None` if there is none.
+    fn filling(&self, mesh: &Mesh, edges: &FxHashSet<[u32; 2]>) -> Option<Vec<[u32; 3]>> {
+        let vertices: Vec<u32> = self.sides.iter().map(|&side| mesh.origin(side)).collect();
+        let count = vertices.len();
+        let from = |first: usize| vertices.iter().cycle().skip(first).take(count).copied().collect::<Vec<u32>>();
+        let is_free = |fan: &Vec<u32>| fan[2..count - 1].iter().all(|&v| !edges.contains(&lower_first([fan[0], v])));
+        let fan = (0..count).map(from).find(is_free)?;
+        Some(fan[1..].windows(2).map(|ends| [fan[0], ends[1], ends[0]]).collect())
+    }
+}
+
+/// Returns the rims that are shorter than `most`.
+fn short_rims(mesh: &Mesh, most: f64) -> Vec<Rim> {
+    let twin = twins(&mesh.triangles);
+    let mut is_seen = vec![false; twin.len()];
+    let mut rims = Vec::new();
+    for first in (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE) {
+        let mut rim = Rim { sides: Vec::new(), length: 0.0 };
+        let mut side = first;
+        while !is_seen[side as usize] {
+            is_seen[side as usize] = true;
+            let [from, to] = mesh.segment(side);
+            rim.length += from.distance(to);
+            rim.sides.push(side);
+            side = next(side);
+            while twin[side as usize] != NONE {
+                side = next(twin[side as usize]);
+            }
+        }
+        if rim.sides.len() > 2 && rim.length < most {
+            rims.push(rim);
+        }
+    }
+    rims
+}
+
+/// Removes rims around whole components: those whose component has less area than a square with a side as long as the rim.
+fn without_outlines(mesh: &Mesh, rims: &mut Vec<Rim>) {
+    let component = components(mesh.positions.len(), &mesh.triangles);
+    let mut areas = vec![0.0; component.iter().max().map_or(0, |&last| last as usize + 1)];
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        areas[component[corners[0] as usize] as usize] += 0.5 * mesh.area_vector(t).length();
+    }
+    rims.retain(|rim| areas[component[mesh.origin(rim.sides[0]) as usize] as usize] > rim.length * rim.length);
+}
+
+/// Returns the edges of `mesh` whose ends are both origins of `sides`.
+fn edges_between<'a>(mesh: &Mesh, sides: impl Iterator<Item = &'a u32>) -> FxHashSet<[u32; 2]> {
+    let mut is_on_rim = vec![false; mesh.positions.len()];
+    sides.for_each(|&side| is_on_rim[mesh.origin(side) as usize] = true);
+    let all = (0..3 * mesh.triangles.len() as u32).map(|side| mesh.ends(side));
+    all.filter(|ends| ends.iter().all(|&v| is_on_rim[v as usize])).map(lower_first).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::topology::topology;
+    use crate::testing::{joined, sphere};
+    use glam::dvec3;
+
+    const SPACING: f64 = 0.1;
+
+    /// Returns a sphere with a hole whose rim has the given length and `sides` sides, at least three.
+    fn with_hole(length: f64, sides: usize) -> Mesh {
+        let mut mesh = sphere();
+        let [a, b, c] = mesh.triangles.pop().unwrap();
+        let corners = [a, b, c].map(|v| mesh.positions[v as usize]);
+        let centre = corners.into_iter().sum::<DVec3>() / 3.0;
+        let radius = length / (2.0 * sides as f64 * (std::f64::consts::PI / sides as f64).sin());
+        let along = (corners[0] - centre).normalize();
+        let aside = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize().cross(along);
+        let first = mesh.positions.len() as u32;
+        for k in 0..sides {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / sides as f64).sin_cos();
+            mesh.positions.push(centre + radius * (cos * along + sin * aside));
+        }
+        // A strip between the corners and the rim.
+        let (outer, mut at) = ([a, b, c], 0);
+        for k in 0..sides as u32 {
+            let [from, to] = [k, (k + 1) % sides as u32].map(|k| first + k);
+            let next_at = 3 * (k as usize + 1) / sides;
+            mesh.triangles.push([outer[at % 3], to, from]);
+            for corner in at..next_at {
+                mesh.triangles.push([outer[corner % 3], outer[(corner + 1) % 3], to]);
+            }
+            at = next_at;
+        }
+        mesh
+    }
+
+    fn closed(mesh: Mesh) -> (Pinholes, OrientedManifold) {
+        let mut mesh = mesh.try_into().unwrap();
+        (close_pinholes(&mut mesh, SPACING), mesh)
+    }
+
+    #[test]
+    fn holes_that_edges_cannot_show_are_closed() {
+        for sides in [3, 4, 7] {
+            let (pinholes, mesh) = closed(with_hole(0.1 * SPACING, sides));
+            assert_eq!(pinholes.count, 1);
+            let found = topology(mesh.positions.len(), &mesh.triangles);
+            assert!(found.is_manifold() && found.is_oriented());
+            assert_eq!((found.euler, found.boundary_loops), (2, 0));
+            let last = mesh.triangles.len() as u32 - 1;
+            assert!(mesh.segment(3 * last).into_iter().all(|p| p.distance(pinholes.place) < 0.1 * SPACING));
+            // The added triangles come from a triangle at the hole.
+            let source = mesh.provenance().triangle(last) as usize;
+            assert!(mesh.corners(source).into_iter().any(|p| p.distance(pinholes.place) < 0.1 * SPACING));
+        }
+    }
+
+    #[test]
+    fn holes_that_edges_can_show_and_whole_components_stay() {
+        let (pinholes, mesh) = closed(with_hole(0.2 * SPACING, 5));
+        assert_eq!((pinholes, mesh.triangles.len()), (Pinholes::default(), with_hole(1.0, 5).triangles.len()));
+        let small = Mesh {
+            positions: [DVec3::ZERO, dvec3(0.002, 0.0, 0.0), dvec3(0.0, 0.002, 0.0)].into(),
+            triangles: vec![[0, 1, 2]],
+        };
+        let (pinholes, mesh) = closed(joined([small, sphere()]));
+        assert_eq!((pinholes.count, mesh.triangles.len()), (0, sphere().triangles.len() + 1));
+    }
+
+    #[test]
+    fn no_edge_is_made_twice() {
+        // A triangle that protrudes into the hole has an edge between two corners of the remaining hole.
+        let mesh = with_hole(0.1 * SPACING, 3);
+        let last = mesh.positions.len() as u32;
+        let [a, b, c] = [3, 2, 1].map(|k| mesh.positions[(last - k) as usize]);
+        for [from, to] in [[3, 2], [2, 1], [1, 3]] {
+            let mut mesh = mesh.clone();
+            mesh.positions.push((a + b + c) / 3.0);
+            mesh.triangles.push([last - from, last - to, last]);
+            let (pinholes, mesh) = closed(mesh);
+            assert_eq!(pinholes.count, 1);
+            assert!(topology(mesh.positions.len(), &mesh.triangles).is_manifold());
+        }
+    }
+}
