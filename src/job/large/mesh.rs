@@ -7,7 +7,7 @@ use crate::io::dense::PointFile;
 use crate::io::large::LargeMesh;
 use crate::job::large::LargeFile;
 use crate::job::large::coarseness::{coarseness_within, is_far_finer, refuse_coarser};
-use crate::job::large::workspace::Workspace;
+use crate::job::large::workspace::{Workspace, parent};
 use crate::pipeline::Options;
 use std::path::Path;
 
@@ -37,6 +37,7 @@ pub fn read_coarsened(file: &LargeFile, options: &Options, monitor: &dyn Monitor
         return Ok(None);
     }
     monitor.stage("read");
+    let parent = parent(out_of_core)?;
     let memory = out_of_core.memory();
     let coarseness =
         |extent| coarseness_within(memory, extent, options).map_err(|e| e.in_file(&path.display().to_string()));
@@ -44,7 +45,7 @@ pub fn read_coarsened(file: &LargeFile, options: &Options, monitor: &dyn Monitor
     let loaded = if bytes <= memory / OF_MEMORY {
         mesh.coarsened(None, coarseness, monitor)?
     } else {
-        let workspace = Workspace::passing(out_of_core)?;
+        let workspace = Workspace::passing(&parent)?;
         workspace.announce(bytes, monitor);
         mesh.coarsened(Some(&workspace.path().join("triangles")), coarseness, monitor)?
     };

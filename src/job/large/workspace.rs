@@ -19,17 +19,16 @@ impl Workspace {
     /// Makes the workspace of the job on `file`: a kept one if the job can be resumed.
     pub(super) fn of(file: &LargeFile) -> Result<Workspace> {
         if !file.out_of_core.resume {
-            return Workspace::passing(file.out_of_core);
+            return Workspace::passing(&parent(file.out_of_core)?);
         }
         let output = file.output.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Workspace::Kept(parent(file.out_of_core)?.join(format!("{output}.remesh-tiles"))))
     }
 
-    /// Makes a workspace that is removed however the job ends.
-    pub(super) fn passing(out_of_core: &OutOfCore) -> Result<Workspace> {
-        let parent = parent(out_of_core)?;
+    /// Makes a workspace in `parent` that is removed however the job ends.
+    pub(super) fn passing(parent: &Path) -> Result<Workspace> {
         let made =
-            tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(&parent).map_err(|error| Error::File {
+            tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(parent).map_err(|error| Error::File {
                 file: parent.display().to_string(),
                 cause: format!("no folder can be made in it: {error}"),
                 remedy: "choose another folder for temporary files".into(),
@@ -63,8 +62,11 @@ impl Workspace {
     }
 }
 
-/// Returns the folder in which the workspace is made.
-fn parent(out_of_core: &OutOfCore) -> Result<PathBuf> {
+/// Returns the folder in which workspaces are made.
+///
+/// # Errors
+/// [`Error::File`] if there is no such folder.
+pub(super) fn parent(out_of_core: &OutOfCore) -> Result<PathBuf> {
     let parent = out_of_core.temp.clone().unwrap_or_else(std::env::temp_dir);
     TileFolder::at(&parent)?;
     Ok(parent)
