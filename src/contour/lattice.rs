@@ -293,7 +293,6 @@ impl Edges<'_> {
     /// Returns the triangles in the tetrahedra whose lowest corner is vertex `i`.
     fn triangles(&self, i: usize) -> Vec<[u32; 3]> {
         let mut found = Vec::new();
-        // Every tetrahedron has the edge along all axes; if none of the others crosses zero, either, there is nothing.
         let corners: [Option<usize>; 8] =
             std::array::from_fn(
                 |axes| {

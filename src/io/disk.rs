@@ -85,7 +85,7 @@ fn replace(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) 
 /// order of `paths`. `fill` writes the file of a given index.
 ///
 /// # Errors
-/// Those of [`replace_file`]. None of the files is left then.
+/// Those of [`replace_file`]. None of the files is left then, unless one of the renames fails: those before it are in place.
 pub(super) fn replace_files(
     paths: &[PathBuf],
     fill: &mut dyn FnMut(usize, &mut dyn Write) -> io::Result<()>,

@@ -31,9 +31,9 @@ pub enum Format {
     /// 3MF, a format for 3D printing.
     #[serde(rename = "3mf")]
     ThreeMf,
-    /// Legacy VTK: polygons, or an unstructured grid that has some; only read.
+    /// Legacy VTK: polygons, or an unstructured grid with faces or volumes; only read.
     Vtk,
-    /// The polygons of VTK as XML.
+    /// VTK as XML: polygons; unstructured grids are only read.
     Vtp,
     /// PCD of the Point Cloud Library: points; single precision.
     Pcd,

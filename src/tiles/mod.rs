@@ -1,7 +1,7 @@
 //! Samples clouds of any size tile by tile and meshes them piece by piece: on one machine out of core, or on many over a
 //! shared folder.
 //!
-//! A folder is the interface. [`make_plan`] reads the file once, sorts its points by place into the folder and decides
+//! A folder is the interface. [`make_plan`] reads the file, sorts its points by place into the folder and decides
 //! everything global; then each tile can be sampled by itself, by any process on any machine, any number of times
 //! ([`sample_one`]); [`merge()`] joins the samples. Space is divided into the blocks of the scan, which are anchored at the
 //! origin at multiples of the kernel width. The samples of a tile depend only on the points around it, so the result is the

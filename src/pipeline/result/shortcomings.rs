@@ -7,7 +7,7 @@ use crate::pipeline::result::{Deviation, Remeshed};
 
 /// Returns the shortcomings of a result, a phrase each; empty if it is an oriented manifold with the Euler characteristic,
 /// components and boundary loops of `wanted`, without `crossing` faces where the input has none, without `slivers` and
-/// `bridges`, within the requested error bound, and close to all points of a cloud.
+/// `bridges`, within the requested error bound, and close to nearly all points of a cloud.
 pub fn shortcomings(
     found: &Topology,
     wanted: &Topology,
