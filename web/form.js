@@ -6,7 +6,7 @@ const byId = (id) => document.getElementById(id);
 const WAYS = {
   points: { label: "Number of vertices", min: 1, step: 1 },
   edge_length: { label: "Mean edge length", min: 0, step: "any", value: "" },
-  max_error: { label: "In percent of the diagonal", min: 0, step: "any", value: "0.5" },
+  max_error: { label: "Percent of the diagonal", min: 0, step: "any", value: "0.5" },
 };
 
 /** Fills the form from the library's description of itself. */
@@ -14,7 +14,7 @@ export function fillForm({ form, smoothing, read }) {
   WAYS.points.value = form.points;
   byId("features").value = form.features;
   byId("adapt").value = form.adapt;
-  byId("smooth").append(new Option("if points need it", ""), new Option("no", 0), new Option("usual", smoothing), new Option("more", Math.ceil(1.5 * smoothing)));
+  byId("smooth").append(new Option("if points are noisy", ""), new Option("no", 0), new Option("standard", smoothing), new Option("more", Math.ceil(1.5 * smoothing)));
   byId("smooth").value = form.smooth ?? "";
   byId("weld").value = form.weld ?? "";
   byId("fill_holes").value = form.fill_holes;

@@ -37,7 +37,7 @@ async function start() {
   job.end();
   fillForm(described);
   byId("version").textContent = described.version;
-  byId("formats").textContent = `Reads ${described.read.map(({ name }) => name).join(", ")}, also packed by gzip.`;
+  byId("formats").textContent = `Reads ${described.read.map(({ name }) => name).join(", ")}, also compressed with gzip.`;
   byId("save-format").append(...described.written.map(({ name, ending }) => new Option(name, ending)));
   listenForFiles((given) => {
     [files, areNew] = [given, true];
@@ -142,8 +142,8 @@ function tell(error) {
 /** Returns the text of an error for users. */
 function cause({ name, message }) {
   if (name !== "Fault") return message;
-  return `The library stopped in the middle. The mesh may be too large for the memory of a page; the program \
-remesh has more. Otherwise it is a fault of remesh: please report it with the file and these words.\n${message}`;
+  return `The library stopped unexpectedly. The mesh may be too large for the memory of a page; the program \
+remesh can use more. Otherwise this is a bug in remesh: please report it with the file and this message.\n${message}`;
 }
 
 /** Requests files of the result, and saves them. */

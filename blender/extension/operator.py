@@ -13,8 +13,8 @@ TICK = 0.1
 
 
 class OBJECT_OT_spectral_remesh(bpy.types.Operator):
-    """Make a copy of the active object with exactly as many vertices as wanted, evenly spread, in triangles close to
-    equilateral"""
+    """Make a copy of the active object with exactly the requested number of vertices, evenly spread, in triangles close
+    to equilateral"""
 
     bl_idname = "object.spectral_remesh"
     bl_label = "Spectral Remesh"
@@ -99,7 +99,7 @@ class OBJECT_OT_spectral_remesh(bpy.types.Operator):
             return {"CANCELLED"}
         obj = bpy.data.objects.get(self._name)
         if obj is None or obj.type != "MESH":
-            self.report({"ERROR"}, f"{self._name} is no longer there; the result was dropped")
+            self.report({"ERROR"}, f"{self._name} no longer exists; the result was discarded")
             return {"CANCELLED"}
         made = target.add(obj, self._source, remeshed)
         self._show(context, obj, made)

@@ -12,13 +12,13 @@ class RemeshSettings(bpy.types.PropertyGroup):
     density: EnumProperty(
         name="Density",
         items=[
-            ("POINTS", "Vertices", "Exactly so many vertices"),
+            ("POINTS", "Vertices", "Exactly this many vertices"),
             ("LENGTH", "Edge Length", "Edges of this mean length"),
         ],
     )
     points: IntProperty(
         name="Vertices",
-        description="Number of vertices of the result; with a mask, of those strictly inside of it",
+        description="Number of vertices of the result; with a mask, of those strictly inside it",
         default=5000,
         min=4,
         soft_max=1_000_000,
@@ -40,16 +40,16 @@ class RemeshSettings(bpy.types.PropertyGroup):
     )
     adapt: FloatProperty(
         name="Adapt",
-        description="How much lengths follow the shape: 0 is even",
+        description="How strongly edge lengths adapt to the shape: 0 is uniform",
         default=1.0,
         min=0.0,
         max=1.0,
         subtype="FACTOR",
     )
-    sizing_group: StringProperty(name="Group", description="Vertices with weight in it get shorter edges")
+    sizing_group: StringProperty(name="Group", description="Vertex group whose weights make edges shorter")
     finer: FloatProperty(
         name="Times Finer",
-        description="How many times shorter edges are at weight 1 than at weight 0",
+        description="Factor by which edges are shorter at weight 1 than at weight 0",
         default=3.0,
         min=1.0,
         soft_max=10.0,
@@ -58,7 +58,7 @@ class RemeshSettings(bpy.types.PropertyGroup):
     features: EnumProperty(
         name="Sharp Edges",
         items=[
-            ("AUTO", "Automatic", "The surface decides: edges of parts stay sharp, scans get no false ones"),
+            ("AUTO", "Automatic", "Decided by the surface: edges of CAD parts stay sharp, scans get no false ones"),
             ("ANGLE", "By Angle", "Edges across which the surface turns by at least this angle"),
             ("MARKED", "Marked", "Edges that are marked sharp"),
             ("NONE", "None", "No edge stays sharp"),
@@ -67,11 +67,11 @@ class RemeshSettings(bpy.types.PropertyGroup):
     angle: FloatProperty(name="Angle", default=np.radians(30), min=np.radians(1), max=np.pi, subtype="ANGLE")
     mask_group: StringProperty(
         name="Mask",
-        description=f"Remesh only triangles all of whose vertices have a weight of at least {IN_MASK} in this vertex group",
+        description=f"Remesh only triangles whose vertices all have a weight of at least {IN_MASK} in this vertex group",
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
     hide_original: BoolProperty(
-        name="Hide Original", description="Hide the remeshed object from view, and show the result", default=True
+        name="Hide Original", description="Hide the original object, and show the result", default=True
     )
 
 

@@ -68,7 +68,7 @@ def read(obj):
         raise ValueError(f"{obj.name} has no faces; a surface is needed")
     scale = np.abs(obj.matrix_world.to_scale())
     if not (np.isfinite(scale) & (scale > 0)).all():
-        raise ValueError(f"{obj.name} is scaled to nothing along an axis; scale it so that it has a surface")
+        raise ValueError(f"{obj.name} has a scale of zero along an axis; change its scale")
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
     loops = numbers(triangles, "loops", 3, np.int32)
@@ -100,7 +100,7 @@ def _read_uv(source, mesh, loops):
             source.uv = numbers(layer.uv, "vector", 2, np.float32).astype(np.float64)[loops]
             source.uv_name = layer.name
         else:
-            source.left_out.append(f"the UV map {layer.name}, which is not the one rendered")
+            source.left_out.append(f"the UV map {layer.name}, which is not active for rendering")
 
 
 def _read_groups(source, obj):
@@ -128,7 +128,7 @@ def _read_attributes(source, mesh):
             continue
         if attribute.domain == "CORNER":
             if values.dtype != np.float32:
-                source.left_out.append(f"the attribute {name} of corners, of which there is no mean")
+                source.left_out.append(f"the corner attribute {name}, which cannot be averaged")
                 continue
             values = _means_of_corners(mesh, values)
         if values.dtype == bool:

@@ -112,5 +112,5 @@ def test_an_object_that_is_gone_is_no_crash(begun):
     bpy.data.objects.remove(begun.obj)
     while begun.operator.modal(begun.context, TICK) == {"RUNNING_MODAL"}:
         time.sleep(0.02)
-    assert begun.operator.reports[-1] == ({"ERROR"}, "Suzanne is no longer there; the result was dropped")
+    assert begun.operator.reports[-1] == ({"ERROR"}, "Suzanne no longer exists; the result was discarded")
     assert not bpy.data.objects

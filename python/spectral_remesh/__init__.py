@@ -1,4 +1,4 @@
-"""Remeshing by spectral sampling: exactly the vertices asked for, well-shaped triangles, the input's topology.
+"""Remeshing by spectral sampling: exactly the requested number of vertices, well-shaped triangles, the input's topology.
 
     import spectral_remesh
     import trimesh

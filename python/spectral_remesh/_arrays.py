@@ -21,7 +21,7 @@ def as_vertices(values: ArrayLike) -> Array:
     """Returns positions, of shape (n, 3)."""
     array = _numbers("vertices", values, "fiu", "numbers")
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ArgumentError("vertices", f"an array of shape (n, 3) is wanted, not {array.shape}")
+        raise ArgumentError("vertices", f"an array of shape (n, 3) is expected, not {array.shape}")
     return array
 
 
@@ -31,7 +31,7 @@ def as_faces(values: ArrayLike | None, vertices: Array) -> Array | None:
         return None
     array = _numbers("faces", values, "iu", "whole numbers")
     if array.ndim != 2 or array.shape[1] < 3:
-        raise ArgumentError("faces", f"an array of shape (m, 3) is wanted, not {array.shape}")
+        raise ArgumentError("faces", f"an array of shape (m, 3) is expected, not {array.shape}")
     if array.shape[1] > 3:
         return split(vertices, array, np.full(len(array), array.shape[1]))
     return array
@@ -51,11 +51,11 @@ def as_attributes(arrays: Mapping[str, ArrayLike], vertices: int) -> dict[str, A
 def _as_columns(name: str, values: ArrayLike, vertices: int) -> Array:
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
-        raise ArgumentError("attributes", f"{name!r}: numbers are wanted, not {array.dtype}")
+        raise ArgumentError("attributes", f"{name!r}: numbers are expected, not {array.dtype}")
     if array.ndim == 1:
         array = array.reshape(-1, 1)
     if array.ndim != 2 or array.shape[1] == 0 or len(array) != vertices:
-        wanted = f"an array of shape ({vertices},) or ({vertices}, components) is wanted, not {np.shape(values)}"
+        wanted = f"an array of shape ({vertices},) or ({vertices}, components) is expected, not {np.shape(values)}"
         raise ArgumentError("attributes", f"{name!r}: {wanted}")
     return _plain(array.astype(_of_a_file(array), copy=False))
 
@@ -95,7 +95,7 @@ def as_sharp_edges(values: str | float | ArrayLike | None) -> str | float | Arra
         return values  # type: ignore[return-value]
     array = _numbers("features", values, "iu", "numbers of vertices")
     if array.ndim != 2 or array.shape[1] != 2:
-        raise ArgumentError("features", f"the two vertices of each edge are wanted, of shape (edges, 2), not {array.shape}")
+        raise ArgumentError("features", f"the two vertices of each edge are expected, of shape (edges, 2), not {array.shape}")
     if array.size and (array.min() < 0 or array.max() > np.iinfo(np.uint32).max):
         raise ArgumentError("features", "no vertex has a number below 0 or above 4,294,967,295")
     return array.astype(np.uint32)
@@ -107,7 +107,7 @@ def as_box(values: ArrayLike | None) -> list[list[float]] | None:
         return None
     array = _numbers("within", values, "fiu", "numbers")
     if array.shape != (2, 3):
-        raise ArgumentError("within", f"the lowest x, y and z of a box and the highest are wanted, not {array.shape}")
+        raise ArgumentError("within", f"the lowest and highest x, y and z, of shape (2, 3), are expected, not {array.shape}")
     corners: list[list[float]] = array.astype(np.float64).tolist()
     return corners
 
@@ -115,7 +115,7 @@ def as_box(values: ArrayLike | None) -> list[list[float]] | None:
 def _vector(argument: str, values: ArrayLike, kinds: str, wanted: str) -> Array:
     array = _numbers(argument, values, kinds, wanted)
     if array.ndim != 1:
-        raise ArgumentError(argument, f"an array of shape (vertices,) is wanted, not {array.shape}")
+        raise ArgumentError(argument, f"an array of shape (vertices,) is expected, not {array.shape}")
     return array
 
 
@@ -123,9 +123,9 @@ def _numbers(argument: str, values: ArrayLike, kinds: str, wanted: str) -> Array
     try:
         array = np.asarray(values)
     except ValueError as error:
-        raise ArgumentError(argument, f"it makes no array: {error}") from None
+        raise ArgumentError(argument, f"it cannot be converted to an array: {error}") from None
     if array.dtype.kind not in kinds:
-        raise ArgumentError(argument, f"{wanted} are wanted, not {array.dtype}")
+        raise ArgumentError(argument, f"{wanted} are expected, not {array.dtype}")
     return _plain(array)
 
 

@@ -34,7 +34,7 @@ def as_mesh(vertices: Any, faces: ArrayLike | None = None, attributes: Mapping[s
     if isinstance(attributes, bool):
         return mesh
     if not isinstance(attributes, Mapping):
-        raise ArgumentError("attributes", "arrays by their names are wanted, or False")
+        raise ArgumentError("attributes", "a mapping from names to arrays is expected, or False")
     return _with_attributes(mesh, {**mesh.attributes, **{name: np.asarray(a) for name, a in attributes.items()}})
 
 
@@ -48,7 +48,7 @@ def _with_attributes(mesh: Mesh, attributes: dict[str, Array]) -> Mesh:
 def _reader(value: Any) -> Callable[[Any], Mesh] | None:
     """Returns the reader for meshes of the class of ``value``, or ``None`` for arrays."""
     if isinstance(value, (str, bytes)) or hasattr(value, "__fspath__"):
-        raise ArgumentError("vertices", f"an array or a mesh is wanted, not a name; give read({str(value)!r})")
+        raise ArgumentError("vertices", f"an array or a mesh is expected, not a file name; give read({str(value)!r})")
     readers: dict[str, Callable[[Any], Mesh]] = {
         "spectral_remesh": lambda mesh: mesh,
         "trimesh": _of_trimesh,
@@ -65,12 +65,12 @@ def _reader(value: Any) -> Callable[[Any], Mesh] | None:
 
 def _refuse(value: Any, remedy: str) -> ArgumentError:
     kind = type(value)
-    return ArgumentError("vertices", f"{kind.__module__}.{kind.__name__} is no mesh of triangles or points; {remedy}")
+    return ArgumentError("vertices", f"{kind.__module__}.{kind.__name__} is not a mesh of triangles or points; {remedy}")
 
 
 def _of_trimesh(mesh: Any) -> Mesh:
     if not hasattr(mesh, "vertices"):
-        raise _refuse(mesh, "give its meshes one by one, or to_mesh() of it")
+        raise _refuse(mesh, "give its meshes one by one, or the result of its to_mesh()")
     if not hasattr(mesh, "faces"):
         return Mesh(mesh.vertices, attributes=_colors(getattr(mesh, "colors", None)))
     colors = mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None
@@ -84,14 +84,14 @@ def _of_trimesh(mesh: Any) -> Mesh:
 
 def _of_pyvista(mesh: Any) -> Mesh:
     if not hasattr(mesh, "faces"):
-        raise _refuse(mesh, "give extract_surface() of it")
+        raise _refuse(mesh, "give the result of its extract_surface()")
     attributes = {str(name): np.asarray(mesh.point_data[name]) for name in mesh.point_data}
     normals = mesh.point_data.active_normals_name
     attributes = {"normal" if name == normals else name: array for name, array in attributes.items()}
     numeric = {name: array for name, array in attributes.items() if array.dtype.kind in "fiub"}
     faces = _of_vtk(mesh.points, np.asarray(mesh.faces))
     result = Mesh(mesh.points, faces, attributes=numeric)
-    result.notes = [f"{name} are no numbers, and left out" for name in attributes if name not in numeric]
+    result.notes = [f"{name} is not numeric and is left out" for name in attributes if name not in numeric]
     result.notes += [f"{name} of faces is left out" for name in mesh.cell_data]
     return result
 
@@ -113,7 +113,7 @@ def _of_meshio(mesh: Any) -> Mesh:
     faces = [block for block in mesh.cells if block.type in ("triangle", "quad", "polygon")]
     others = sorted({block.type for block in mesh.cells if block not in faces and block.type != "vertex"})
     if others and not faces:
-        raise _refuse(mesh, f"it has {', '.join(others)} cells only; give their surface")
+        raise _refuse(mesh, f"it has only {', '.join(others)} cells; give their surface")
     points = np.asarray(mesh.points)
     triangles = [_of_block(points, np.asarray(block.data)) for block in faces]
     result = Mesh(points, np.concatenate(triangles) if triangles else None, attributes=mesh.point_data)

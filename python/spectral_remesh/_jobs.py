@@ -54,7 +54,7 @@ def remesh(
     released meanwhile. Ctrl-C ends the job.
 
     Args:
-        vertices: Positions, of shape (n, 3), of any float or integer type; or a mesh or cloud of trimesh, PyVista, meshio,
+        vertices: Positions, of shape (n, 3), of any float or integer type; or a mesh or cloud from trimesh, PyVista, meshio,
             Open3D or this package, with its colours, normals and other vertex attributes; or a tuple of both arrays.
         faces: Vertex indices from 0, of shape (m, 3), counter-clockwise seen from outside; or polygons, of shape (m, k).
             Without faces, the vertices are a cloud, and the surface through them is remeshed.
@@ -66,7 +66,7 @@ def remesh(
             It also sets the density if no other argument does.
         features: Edges to keep sharp: those with at least this dihedral angle, in degrees, or ``"none"``; or the two vertices
             of each edge, of shape (edges, 2). By default the input decides.
-        adapt: How much edge lengths follow the shape: from 0, even, to 1, short where the surface bends or is thin.
+        adapt: How strongly edge lengths adapt to the shape: from 0, uniform, to 1, short where the surface bends or is thin.
         sigma_n: Kernel width σn along unit normals. With 0.5 to 1, vertices gather where the surface bends.
         sigma: Kernel widths along attributes of the input, by name. Vertices gather where the attributes change.
         max_error: Maximum distance between the result and the input, measured both ways: a length in the units of the input,
@@ -328,5 +328,5 @@ def quality(vertices: Any, faces: ArrayLike | None = None, *, against: Any = Non
 
 def _count(threads: int | None) -> int | None:
     if threads is not None and not 1 <= threads <= 1024:
-        raise ArgumentError("threads", f"{threads} are not possible; give a number from 1 to 1024")
+        raise ArgumentError("threads", f"{threads} threads are not possible; give a number from 1 to 1024")
     return threads

@@ -28,7 +28,7 @@ def told(progress: Wanted) -> Iterator[Progress | None]:
     elif callable(progress):
         yield progress
     else:
-        raise ArgumentError("progress", "True, or a function of a stage and a share is wanted")
+        raise ArgumentError("progress", "True, or a function of a stage and a fraction, is expected")
 
 
 @contextlib.contextmanager

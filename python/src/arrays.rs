@@ -59,8 +59,9 @@ fn corners<T: Element + Copy + std::fmt::Display>(rows: ArrayView2<T>) -> PyResu
 where
     u32: TryFrom<T>,
 {
-    let refuse =
-        |t: usize, corner: T| argument("faces", format!("face {t} has the corner {corner}, which no vertex is"));
+    let refuse = |t: usize, corner: T| {
+        argument("faces", format!("face {t} has the corner {corner}, but there is no such vertex"))
+    };
     let corner = |t: usize, corner: T| u32::try_from(corner).map_err(|_| refuse(t, corner));
     let rows = rows.rows().into_iter().enumerate();
     rows.map(|(t, row)| Ok([corner(t, row[0])?, corner(t, row[1])?, corner(t, row[2])?])).collect()
@@ -68,7 +69,7 @@ where
 
 fn argument_of_no_type(array: &Bound<PyAny>) -> PyErr {
     let type_name = array.get_type().name().map_or_else(|_| "this".into(), |name| name.to_string());
-    pyo3::exceptions::PyTypeError::new_err(format!("{type_name} is no matrix of numbers"))
+    pyo3::exceptions::PyTypeError::new_err(format!("{type_name} is not a matrix of numbers"))
 }
 
 /// Returns a matrix with the given number of columns from its numbers in row-major order, without copying them.

@@ -99,7 +99,7 @@ fn attribute(name: String, array: &Bound<PyAny>) -> PyResult<Attribute> {
         .or_else(|| numbers::<u32>(array, Scalar::U32))
         .or_else(|| numbers::<i32>(array, Scalar::I32));
     let (components, values, scalar) =
-        found.ok_or_else(|| argument("attributes", format!("{name} is no matrix of numbers")))?;
+        found.ok_or_else(|| argument("attributes", format!("{name} is not a matrix of numbers")))?;
     Ok(Attribute { name, components, values, scalar })
 }
 

@@ -62,9 +62,10 @@ pub fn split(
     let mut all = Vec::new();
     for (face, &size) in sizes.as_slice()?.iter().enumerate() {
         let cut = usize::try_from(size).ok().and_then(|size| rest.split_at_checked(size));
-        let (polygon, others) = cut.ok_or_else(|| argument("faces", format!("face {face} has no {size} corners")))?;
+        let (polygon, others) =
+            cut.ok_or_else(|| argument("faces", format!("face {face} does not have {size} corners")))?;
         rest = others;
-        let refuse = |v| argument("faces", format!("face {face} has the corner {v}, which no vertex is"));
+        let refuse = |v| argument("faces", format!("face {face} has the corner {v}, but there is no such vertex"));
         let place = |&v: &i64| usize::try_from(v).ok().and_then(|v| positions.get(v)).copied().ok_or_else(|| refuse(v));
         let places: PyResult<Vec<_>> = polygon.iter().map(place).collect();
         all.extend(triangulate(&places?).into_iter().flatten().map(|k| polygon[k]));

@@ -48,7 +48,7 @@ def test_trimesh():
     assert len(sr.sample(trimesh.PointCloud(VERTICES, COLORS), points=100).vertices) == 100
     painted = trimesh.Trimesh(VERTICES, FACES, process=False, face_colors=COLORS[:1])
     assert sr.remesh(painted, points=100).notes == ["colours of faces are left out"]
-    with pytest.raises(sr.ArgumentError, match="vertices: trimesh.*Scene is no mesh.*one by one"):
+    with pytest.raises(sr.ArgumentError, match="vertices: trimesh.*Scene is not a mesh.*one by one"):
         sr.remesh(trimesh.Scene([mesh]), points=100)
 
 
@@ -82,7 +82,7 @@ def test_pyvista():
     cloud = sr.sample(mesh, points=300).to_pyvista()
     assert cloud.n_points == 300 and cloud.n_faces == 0
     assert sr.remesh(pyvista.PolyData(VERTICES), points=300).verified
-    with pytest.raises(sr.ArgumentError, match=r"UnstructuredGrid is no mesh.*extract_surface\(\)"):
+    with pytest.raises(sr.ArgumentError, match=r"UnstructuredGrid is not a mesh.*extract_surface\(\)"):
         sr.remesh(mesh.cast_to_unstructured_grid(), points=100)
 
 
@@ -115,7 +115,7 @@ def test_meshio():
     remeshed = sr.remesh(mixed, points=300)
     assert euler(remeshed.faces) == 0 and remeshed.notes[0] == "line cells are left out"
     assert sr.remesh(meshio.Mesh(VERTICES, []), points=300).verified
-    with pytest.raises(sr.ArgumentError, match="tetra cells only"):
+    with pytest.raises(sr.ArgumentError, match="only tetra cells"):
         sr.remesh(meshio.Mesh(VERTICES, [("tetra", [[0, 1, 2, 3]])]), points=100)
 
 
@@ -130,5 +130,5 @@ def test_open3d():
     cloud = open3d.geometry.PointCloud(of_vectors(VERTICES))
     expected = sr.remesh(VERTICES, points=300)
     assert np.array_equal(sr.remesh(cloud, points=300).vertices, expected.vertices)
-    with pytest.raises(sr.ArgumentError, match="LineSet is no mesh"):
+    with pytest.raises(sr.ArgumentError, match="LineSet is not a mesh"):
         sr.remesh(open3d.geometry.LineSet(), points=100)

@@ -128,7 +128,7 @@ pub fn print(text: &str) -> Result<()> {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::File {
             file: "standard output".into(),
             cause: e.to_string(),
-            remedy: "write to another place, or use -q".into(),
+            remedy: "redirect it elsewhere, or use -q".into(),
         }),
         _ => Ok(()),
     }

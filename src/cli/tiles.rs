@@ -73,7 +73,7 @@ fn join_mesh(folder: &Path, output: &Path, run: &Run) -> Result<Status> {
         return Ok(Status::Done);
     }
     let faults = outcome.shortcomings.join(", ");
-    let remedy = "plan it with more points or with --smooth";
+    let remedy = "plan again with more points or with --smooth";
     terminal::complain(&format!("{}: written but not sound: {faults}; {remedy}", output.display()));
     Ok(Status::Unverified)
 }

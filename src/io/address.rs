@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::{Component, PathBuf};
 
 pub(super) fn not_inside(name: &str) -> String {
-    format!("the file '{}' is not in the folder of the file that names it", name.escape_debug())
+    format!("the file '{}' is outside the folder of the file that refers to it", name.escape_debug())
 }
 
 /// Returns a relative name as a path, if it stays inside its folder: no scheme, no root, no escape by `..`.

@@ -14,8 +14,8 @@ pub(super) const EXPORT_AGAIN: &str = "export it again, or repair it with the pr
 pub(super) const NO_LINES: &str = "export the faces of a surface, or its points without the lines between them";
 
 /// Cause and remedy for a file that another program truncates while it is read.
-pub(super) const BECAME_SHORTER: &str = "it became shorter while it was read";
-pub(super) const LEAVE_IT: &str = "let no other program write it meanwhile";
+pub(super) const BECAME_SHORTER: &str = "the file became shorter while it was being read";
+pub(super) const LEAVE_IT: &str = "let no other program write to it meanwhile";
 
 /// Returns the error for content that violates its format. The name of the file is filled in later.
 pub(super) fn malformed(place: Place, cause: impl Into<String>, remedy: &str) -> Error {

@@ -153,7 +153,7 @@ pub(super) fn read_error(path: &Path, error: &io::Error) -> Error {
     let remedy = match error.kind() {
         ErrorKind::NotFound => "check the name and the folder",
         ErrorKind::PermissionDenied => "change its permissions",
-        ErrorKind::OutOfMemory => "reduce the mesh before",
+        ErrorKind::OutOfMemory => "reduce the mesh first",
         _ => "check the file and the disk that it is on",
     };
     file_error(path, read_cause(error), remedy)
@@ -162,8 +162,8 @@ pub(super) fn read_error(path: &Path, error: &io::Error) -> Error {
 pub(super) fn read_cause(error: &io::Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => "there is no such file".into(),
-        ErrorKind::PermissionDenied => "there is no permission to read it".into(),
-        ErrorKind::OutOfMemory => "the file is larger than the memory".into(),
+        ErrorKind::PermissionDenied => "permission to read it is denied".into(),
+        ErrorKind::OutOfMemory => "the file does not fit in memory".into(),
         _ => one_line(error),
     }
 }
@@ -171,7 +171,7 @@ pub(super) fn read_cause(error: &io::Error) -> String {
 pub(super) fn write_error(path: &Path, error: &io::Error) -> Error {
     let (cause, remedy) = match error.kind() {
         ErrorKind::NotFound => ("its folder does not exist".into(), "create it or choose another one"),
-        ErrorKind::PermissionDenied => ("there is no permission to write it".into(), "choose another folder"),
+        ErrorKind::PermissionDenied => ("permission to write it is denied".into(), "choose another folder"),
         ErrorKind::ReadOnlyFilesystem => ("the disk is read-only".into(), "choose another folder"),
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             ("no space is left for it".into(), "free some space or choose another folder")

@@ -65,7 +65,7 @@ impl Faces {
         }
         if self.outside.is_some() {
             let number = counted(self.ends.len(), "polygon is", "polygons are");
-            notes.push(format!("{number} the tetrahedra of a volume: its outside is taken"));
+            notes.push(format!("{number} the tetrahedra of a volume: only its outer surface is used"));
         }
     }
 

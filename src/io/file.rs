@@ -111,8 +111,9 @@ pub fn write_tileset(path: &Path, levels: &[Level]) -> Result<()> {
 /// [`Error::File`] if `path` is a stream or does not name a file.
 pub fn level_path(path: &Path, number: usize) -> Result<PathBuf> {
     let stem = stem(path).filter(|_| is_replaced(path)).ok_or_else(|| {
-        let remedy = "give the name of a file, of which each level's is made, or write GLB, which holds all levels";
-        file_error(path, "it is one stream, and each level needs a file of its own", remedy)
+        let remedy =
+            "give a file name, from which the names of the levels are made, or write GLB, which holds all levels";
+        file_error(path, "it is a single stream, but each level needs a file of its own", remedy)
     })?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Ok(path.with_file_name(format!("{stem}-{number}{}", &name[stem.len()..])))
@@ -155,11 +156,11 @@ pub fn points_format(path: &Path, format: Option<Format>) -> Result<Format> {
 fn format_among(known: &[Format], content: &str, path: &Path, format: Option<Format>) -> Result<Format> {
     let cause = match (format.or_else(|| by_ending(path)), path.extension()) {
         (Some(format), _) if known.contains(&format) => return Ok(format),
-        (Some(format), _) => format!("{format} has no {content}"),
-        (None, Some(ending)) => format!("'.{}' is the ending of no format that can be written", ending.display()),
-        (None, None) => "the name has no ending that says the format".into(),
+        (Some(format), _) => format!("{format} cannot hold {content}"),
+        (None, Some(ending)) => format!("no format with the extension '.{}' can be written", ending.display()),
+        (None, None) => "the name has no extension that tells the format".into(),
     };
-    Err(file_error(path, cause, format!("use one of {}, or say the format", Format::list(known, "."))))
+    Err(file_error(path, cause, format!("use one of {}, or give the format", Format::list(known, "."))))
 }
 
 /// Reads a whole file, which must be neither a folder nor a device.
@@ -246,7 +247,7 @@ mod tests {
         fails(
             read_file(&path, None),
             &path,
-            "ending says OBJ, but the content is OFF; rename the file or give off as its format",
+            "extension says OBJ, but the content is OFF; rename the file or give off as its format",
         );
         fails(read_file(folder.path(), None), folder.path(), "folder");
         let missing = folder.path().join("b.obj");
@@ -255,16 +256,16 @@ mod tests {
         fails(read_file(&below, None), &below, "");
         for (name, content, words) in [
             ("a.obj", &b""[..], "empty"),
-            ("a.doc", b"\x89PNG", "give its format, one of obj,"),
+            ("a.doc", b"\x89PNG", "give its format: one of obj,"),
             ("a.xyz", b"\x89PNG", "no numbers"),
-            ("a.dae", b"<COLLADA>", "it is a COLLADA file, which is not read; convert it, with Blender"),
+            ("a.dae", b"<COLLADA>", "it is a COLLADA file, which is not supported; convert it with Blender"),
             ("a.pts", b"ISO-10303-21;\n1 2 3\n", "it is a STEP file"),
             ("a.usdz", b"PK\x03\x04", "it is a USD file"),
-            ("a", b"PK\x03\x04", "it is an archive, which is not read; unpack it"),
+            ("a", b"PK\x03\x04", "it is an archive, which is not supported; unpack it"),
             ("a.fbx", b"1 2 3\n1 2 3\n", "it is an FBX file"),
             ("a.drc", b"DRACO\x02", "draco_decoder -i IN.drc -o OUT.ply"),
-            ("a.pts", b"\0\0\x80\x3f\0\0\x80\x3f", "binary, not columns of numbers in text; export"),
-            ("a.dat", b"a text\n1 2 3\n4 5 6\n", "give its format, one of"),
+            ("a.pts", b"\0\0\x80\x3f\0\0\x80\x3f", "binary, not text with columns of numbers; export"),
+            ("a.dat", b"a text\n1 2 3\n4 5 6\n", "give its format: one of"),
             ("a.ply.gz", b"\x1f\x8b\x08\0\0", "cannot be unpacked"),
             ("a.obj", b"v 0 0 nan", ":1: the coordinate 'nan' is not finite"),
             ("a.obj", b"\x89PNG", "no vertices"),

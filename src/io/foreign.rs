@@ -16,8 +16,8 @@ pub(super) struct Foreign {
 }
 
 const BLENDER: &str = "open it in Blender and export it as PLY, OBJ or glTF";
-const ASSIMP: &str = "convert it, with Blender or by `assimp export IN OUT.glb`";
-const GMSH: &str = "it has exact surfaces: mesh it in a CAD program or by `gmsh IN -2 -o OUT.stl`";
+const ASSIMP: &str = "convert it with Blender or `assimp export IN OUT.glb`";
+const GMSH: &str = "it has exact surfaces: mesh it in a CAD program or with `gmsh IN -2 -o OUT.stl`";
 const UNPACK: &str = "unpack it and give the file in it";
 
 const KINDS: [Foreign; 21] = [
@@ -48,7 +48,7 @@ const KINDS: [Foreign; 21] = [
         has_signature: |head| has(&head[..head.len().min(64)], "CASCADE Topology"),
     },
     Foreign {
-        name: "a file of Blender",
+        name: "a Blender file",
         endings: &["blend"],
         remedy: BLENDER,
         has_signature: |head| head.starts_with(b"BLENDER"),
@@ -56,13 +56,13 @@ const KINDS: [Foreign; 21] = [
     Foreign {
         name: "an X3D or VRML file",
         endings: &["x3d", "x3dv", "wrl", "vrml"],
-        remedy: "open it in MeshLab and export it as PLY, or convert it by `assimp export IN OUT.glb`",
+        remedy: "open it in MeshLab and export it as PLY, or convert it with `assimp export IN OUT.glb`",
         has_signature: |head| head.starts_with(b"#VRML") || head.starts_with(b"#X3D") || has(head, "<X3D"),
     },
     Foreign {
-        name: "compressed by Draco",
+        name: "compressed with Draco",
         endings: &["drc"],
-        remedy: "decompress it by `draco_decoder -i IN.drc -o OUT.ply`",
+        remedy: "decompress it with `draco_decoder -i IN.drc -o OUT.ply`",
         has_signature: |head| head.starts_with(b"DRACO"),
     },
     Foreign { name: "a 3DS file", endings: &["3ds"], remedy: ASSIMP, has_signature: |_| false },
@@ -76,11 +76,11 @@ const KINDS: [Foreign; 21] = [
     Foreign {
         name: "a GIFTI file",
         endings: &["gii"],
-        remedy: "convert it by `mris_convert IN OUT.stl`",
+        remedy: "convert it with `mris_convert IN OUT.stl`",
         has_signature: |head| has(head, "<GIFTI"),
     },
     Foreign {
-        name: "a grid of VTK",
+        name: "a VTK grid",
         endings: &["vts", "vtr", "vti", "pvtu", "pvd", "vtm", "vtkhdf"],
         remedy: "open it in ParaView, extract its surface and save that as VTP",
         has_signature: |head| has(head, "<VTKFile") && !has(head, "PolyData") && !vtk::is_grid(head),
@@ -92,9 +92,9 @@ const KINDS: [Foreign; 21] = [
         has_signature: |head| head.starts_with(b"\x89HDF\r\n"),
     },
     Foreign {
-        name: "a pointer of Git LFS, not the file itself",
+        name: "a Git LFS pointer",
         endings: &[],
-        remedy: "get the file by `git lfs pull`",
+        remedy: "get the file itself with `git lfs pull`",
         has_signature: |head| head.starts_with(b"version https://git-lfs"),
     },
     Foreign {
@@ -104,7 +104,7 @@ const KINDS: [Foreign; 21] = [
         has_signature: |head| starts_without_case(head, b"<!doctype html") || starts_without_case(head, b"<html"),
     },
     Foreign {
-        name: "an archive of 7-Zip",
+        name: "a 7-Zip archive",
         endings: &["7z"],
         remedy: UNPACK,
         has_signature: |head| head.starts_with(b"7z\xBC\xAF\x27\x1C"),
@@ -116,7 +116,7 @@ const KINDS: [Foreign; 21] = [
         has_signature: |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"Rar!"),
     },
     Foreign {
-        name: "compressed by another program than gzip",
+        name: "compressed by a program other than gzip",
         endings: &["xz", "zst", "bz2", "lz4"],
         remedy: UNPACK,
         has_signature: |head| {
@@ -124,7 +124,7 @@ const KINDS: [Foreign; 21] = [
         },
     },
     Foreign {
-        name: "text in UTF-16",
+        name: "UTF-16 text",
         endings: &[],
         remedy: "save it as UTF-8",
         has_signature: |head| head.starts_with(b"\xFF\xFE") || head.starts_with(b"\xFE\xFF"),

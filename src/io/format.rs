@@ -210,7 +210,7 @@ impl FromStr for Format {
     fn from_str(name: &str) -> Result<Format> {
         Format::from_extension(name).ok_or_else(|| Error::Option {
             option: Setting::Format,
-            cause: format!("{} is no mesh format", super::text::quote(name.as_bytes())),
+            cause: format!("{} is not a mesh format", super::text::quote(name.as_bytes())),
             remedy: format!("use one of {}", Format::list(&Format::ALL, "")),
         })
     }
@@ -229,7 +229,7 @@ impl Format {
 
     /// Returns those of `attributes` that files of this format cannot hold.
     pub fn cannot_hold(self, attributes: &Attributes) -> Vec<Lost> {
-        let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} has no place for it") };
+        let lost = |name: &str| Lost { name: name.into(), cause: format!("{self} cannot store it") };
         let vertex = attributes.vertex.iter().filter(|a| !self.holds(a)).map(|a| lost(&a.name));
         let has_texture = matches!(self, Format::Obj | Format::Ply | Format::Gltf | Format::Glb);
         let texture = !attributes.texture.is_empty() && !has_texture;
@@ -254,10 +254,10 @@ impl Format {
         let no_gltf = |image: &Image| matches!(image, Image::File(name) if !is_known(name));
         let (name, cause) = match self {
             Format::Obj if looks().any(no_obj) => {
-                ("textures of roughness, metal and occlusion", "OBJ has no place for them")
+                ("textures for roughness, metalness and occlusion", "OBJ cannot store them")
             }
             Format::Gltf | Format::Glb if materials.images.iter().any(no_gltf) => {
-                ("images that are neither PNG nor JPEG", "glTF has no place for them")
+                ("images that are neither PNG nor JPEG", "glTF cannot store them")
             }
             _ => return None,
         };
@@ -292,7 +292,7 @@ mod tests {
         let message = "doc".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "format: 'doc' is no mesh format; use one of obj, ply, stl, off, gltf, glb, 3mf, vtp, vtk, msh, mesh, xyz, pcd, las, e57"
+            "format: 'doc' is not a mesh format; use one of obj, ply, stl, off, gltf, glb, 3mf, vtp, vtk, msh, mesh, xyz, pcd, las, e57"
         );
         assert_eq!(["XYZN", "txt", "pts", "asc"].map(Format::from_extension), [Some(Format::Xyz); 4]);
     }

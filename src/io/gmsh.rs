@@ -41,7 +41,7 @@ enum Element {
 /// `Error::Format` with the line or byte that is malformed.
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     if is_of_mujoco(bytes) {
-        let cause = "it is a binary mesh of MuJoCo, whose files end with .msh, too";
+        let cause = "it is a binary mesh of MuJoCo, which also uses the extension .msh";
         return Err(malformed(Place::Byte(0), cause, "give the OBJ or STL file that it was made from"));
     }
     let mut reader = Reader { source: Mixed::new(bytes), size: Type::U64, tags: HashMap::new(), grid: Grid::default() };
@@ -58,7 +58,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
         }
     }
     if !has_elements {
-        return Err(malformed(reader.source.place(), "it has no $Elements", CUT_SHORT));
+        return Err(malformed(reader.source.place(), "it has no $Elements section", CUT_SHORT));
     }
     let (mesh, notes) = reader.grid.into_mesh()?;
     Ok(Read { mesh, notes, ..Read::default() })
@@ -91,18 +91,20 @@ impl Reader<'_> {
         let version = self.source.word().and_then(number).unwrap_or(0.0);
         let is_new = (4.1..5.0).contains(&version);
         if !(is_new || (2.0..3.0).contains(&version)) {
-            let cause = format!("MSH of version {version}, where 2 and 4.1 are read");
+            let cause = format!("MSH version {version} is not supported, only 2 and 4.1 are");
             return Err(malformed(
                 self.source.place(),
                 cause,
-                "convert it by `gmsh IN -save -format msh41 -o OUT.msh`",
+                "convert it with `gmsh IN -save -format msh41 -o OUT.msh`",
             ));
         }
         let is_binary = self.source.count()? == 1;
         self.size = match self.source.count()? {
             4 => Type::U32,
             8 => Type::U64,
-            other => return Err(self.source.wrong(format!("numbers of {other} bytes, where 4 and 8 are known"))),
+            other => {
+                return Err(self.source.wrong(format!("numbers have {other} bytes, but only 4 and 8 are supported")));
+            }
         };
         if is_binary {
             self.source.line();
@@ -117,7 +119,7 @@ impl Reader<'_> {
     fn end(&mut self, name: &str) -> Result<()> {
         match self.source.word() {
             Some(word) if word == name.as_bytes() => Ok(()),
-            _ => Err(self.source.wrong(format!("no {name} where the section should end"))),
+            _ => Err(self.source.wrong(format!("the section does not end with {name}"))),
         }
     }
 
@@ -128,7 +130,7 @@ impl Reader<'_> {
         };
         let end = [b"$End", name].concat();
         let at = self.source.rest().windows(end.len()).position(|w| w == end);
-        let at = at.ok_or_else(|| self.source.wrong(format!("no {} follows", end.escape_ascii())))?;
+        let at = at.ok_or_else(|| self.source.wrong(format!("the closing {} is missing", end.escape_ascii())))?;
         self.source.skip(at + end.len());
         Ok(())
     }
@@ -203,7 +205,7 @@ impl Reader<'_> {
             let block = self.source.size(Type::I32, 4)?;
             let labels = self.source.size(Type::I32, 4)?;
             if block == 0 {
-                return Err(self.source.wrong("a block of no elements"));
+                return Err(self.source.wrong("a block has no elements"));
             }
             for _ in 0..block {
                 self.source.numbers(Type::I32, 1 + labels)?;
@@ -233,8 +235,8 @@ impl Reader<'_> {
     /// Reads the nodes of an element, whose tags are numbers of type `tag`.
     fn element(&mut self, kind: f64, tag: Type) -> Result<()> {
         let Some(&count) = NODES.get((kind as usize).wrapping_sub(1)) else {
-            let cause = format!("elements of type {kind} are not known");
-            return Err(malformed(self.source.place(), cause, "save it with elements of first order"));
+            let cause = format!("element type {kind} is not known");
+            return Err(malformed(self.source.place(), cause, "save it with first-order elements"));
         };
         let nodes = self.source.numbers(tag, count)?;
         let element = element(kind);
@@ -360,7 +362,7 @@ mod tests {
         let text = OLD[..OLD.find("$Elements").unwrap()].to_string() + "$Elements\n" + elements + "$EndElements\n";
         let Read { mesh, notes, .. } = parse(text.as_bytes()).unwrap();
         assert_eq!(mesh.triangles, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-        assert_eq!(notes, ["1 cell fills a volume: its outside is taken"]);
+        assert_eq!(notes, ["1 cell fills a volume: only its outer surface is used"]);
     }
 
     #[test]
@@ -373,20 +375,20 @@ mod tests {
     #[test]
     fn errors_have_a_place() {
         for (from, to, line, words) in [
-            ("2.2 0", "4.0 0", 2, "version 4, where 2 and 4.1 are read"),
-            ("2.2 0 8", "2.2 0 7", 2, "numbers of 7 bytes"),
+            ("2.2 0", "4.0 0", 2, "version 4 is not supported, only 2 and 4.1 are"),
+            ("2.2 0 8", "2.2 0 7", 2, "numbers have 7 bytes"),
             ("30 1 1 0", "30 1 x 0", 12, "'x' is not a number"),
             ("30 1 1 0", "30 1 inf 0", 12, "node 30 is not finite"),
-            ("$Nodes\n4", "$Nodes\n99999999", 9, "99999999 entries are promised"),
+            ("$Nodes\n4", "$Nodes\n99999999", 9, "99999999 entries are declared"),
             ("$Nodes\n4", "$Nodes\n5", 14, "'$EndNodes' is not a number"),
             ("0 1 10 20 30\n", "0 1 10 20 31\n", 19, "uses node 31"),
-            ("3 2 2", "3 99 2", 19, "type 99 are not known"),
-            ("$EndPhysicalNames", "$End", 4, "no $EndPhysicalNames follows"),
+            ("3 2 2", "3 99 2", 19, "type 99 is not known"),
+            ("$EndPhysicalNames", "$End", 4, "the closing $EndPhysicalNames is missing"),
         ] {
             fails_at(parse(OLD.replace(from, to).as_bytes()), line, words);
         }
         let nodes = "10 ".repeat(64);
         let volume = OLD.replace("$Elements\n4\n", &format!("$Elements\n1\n1 92 2 0 1 {nodes}\n"));
-        assert!(fault(parse(volume.as_bytes())).1.contains("type 92 are not known"));
+        assert!(fault(parse(volume.as_bytes())).1.contains("type 92 is not known"));
     }
 }

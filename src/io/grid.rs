@@ -42,15 +42,15 @@ impl Grid {
         }
         let Grid { positions, faces, lines, mut notes, .. } = self;
         if faces.count() == 0 && lines > 0 {
-            return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
+            return Err(malformed(Place::Whole, "it has lines but no faces", NO_LINES));
         }
         small_faces(&mut notes, faces.dropped);
         left_out(&mut notes, lines, "line", "lines");
         if is_outside {
             let cells = counted(volumes, "cell fills", "cells fill");
-            notes.push(format!("{cells} a volume: its outside is taken"));
+            notes.push(format!("{cells} a volume: only its outer surface is used"));
         } else {
-            left_out(&mut notes, volumes, "cell of a volume", "cells of volumes");
+            left_out(&mut notes, volumes, "volume cell", "volume cells");
         }
         let triangles = faces.triangles(&positions);
         Ok((Mesh { positions, triangles }, notes))

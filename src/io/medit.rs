@@ -152,7 +152,7 @@ fn check_dimension(dimension: usize) -> std::result::Result<usize, String> {
     if matches!(dimension, 2 | 3) {
         Ok(dimension)
     } else {
-        Err(format!("{dimension} dimensions, where 2 and 3 are known"))
+        Err(format!("{dimension} dimensions are not supported, only 2 and 3 are"))
     }
 }
 
@@ -160,7 +160,7 @@ fn read_text(bytes: &[u8], surface: &mut Surface) -> Result<()> {
     let mut words = Words::new(bytes).with_comments();
     if !has_signature(bytes) {
         let cause = "it does not begin with MeshVersionFormatted";
-        return Err(malformed(Place::Line(1), cause, "check that this is a file of Medit"));
+        return Err(malformed(Place::Line(1), cause, "check that this is a Medit file"));
     }
     while let Some(word) = words.anywhere() {
         let keyword = String::from_utf8_lossy(word).to_ascii_lowercase();
@@ -234,7 +234,7 @@ fn read_binary(bytes: &[u8], order: Order, surface: &mut Surface) -> Result<()> 
 }
 
 fn not_there(source: &Mixed, next: usize) -> Error {
-    source.wrong(format!("the next keyword is said to be at byte {next}"))
+    source.wrong(format!("byte {next}, where the next keyword should be, is out of range"))
 }
 
 fn read_binary_entries(
@@ -323,7 +323,7 @@ mod tests {
                     Vertices 5 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0 1 1 1 0 End";
         let Read { mesh, notes, .. } = parse(text.as_bytes()).unwrap();
         assert_eq!(mesh.triangles.len(), 6);
-        assert_eq!(notes, ["2 cells fill a volume: its outside is taken"]);
+        assert_eq!(notes, ["2 cells fill a volume: only its outer surface is used"]);
         let wrong = text.replace("2 3 4 5", "2 3 4 6");
         let (place, cause) = fault(parse(wrong.as_bytes()));
         assert_eq!(

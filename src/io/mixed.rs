@@ -118,7 +118,7 @@ impl<'a> Mixed<'a> {
         // The last word needs no white space after it.
         let left = self.rest().len();
         if count.checked_mul(least).is_none_or(|needed| needed > left + 1) {
-            return Err(self.cut_short(format!("{count} entries are promised, but only {left} bytes follow")));
+            return Err(self.cut_short(format!("{count} entries are declared, but only {left} bytes follow")));
         }
         Ok(())
     }

@@ -67,7 +67,7 @@ fn read_libraries(folder: &dyn Folder, materials: &mut Materials, notes: &mut Ve
         match read_inside(folder, &with_slashes(&name)).map(|bytes| mtl::parse(&bytes)) {
             Ok(library) => define(folder, materials, library, notes),
             Err(cause) => {
-                notes.push(format!("the library of materials is not read: {cause}"));
+                notes.push(format!("the material library cannot be read: {cause}"));
                 materials.libraries.push(name);
             }
         }
@@ -128,7 +128,7 @@ pub(super) fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> 
     let by_content = Format::by_signature(bytes);
     if let (None, Some(foreign)) = (by_content, foreign_kind(path, bytes)) {
         let Foreign { name: kind, remedy, .. } = foreign;
-        return Err(refused(name, format!("it is {kind}, which is not read"), *remedy));
+        return Err(refused(name, format!("it is {kind}, which is not supported"), *remedy));
     }
     match (by_ending(path), by_content) {
         // The two forms of one format are read by one reader.
@@ -136,13 +136,13 @@ pub(super) fn input_format(name: &str, bytes: &[u8], format: Option<Format>) -> 
         // A file with an extension for columns of numbers may hold anything.
         (Some(Format::Xyz), _) => Ok(Format::sniff(bytes).unwrap_or(Format::Xyz)),
         (Some(ending), Some(content)) if ending != content => {
-            let cause = format!("the ending says {ending}, but the content is {content}");
+            let cause = format!("the extension says {ending}, but the content is {content}");
             Err(refused(name, cause, format!("rename the file or give {} as its format", content.extension())))
         }
         (Some(ending), _) => Ok(ending),
         (None, _) => Format::sniff(bytes).ok_or_else(|| {
-            let cause = "neither the ending nor the content says what format it has";
-            refused(name, cause, format!("give its format, one of {}", Format::list(&Format::ALL, "")))
+            let cause = "neither the extension nor the content tells its format";
+            refused(name, cause, format!("give its format: one of {}", Format::list(&Format::ALL, "")))
         }),
     }
 }
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn what_is_not_given_is_told() {
         let Loaded { notes, .. } = read_named("a.obj", OBJ, None, &Given(&[])).unwrap();
-        assert_eq!(notes, ["the library of materials is not read: the file 'a.mtl' is not among them"]);
+        assert_eq!(notes, ["the material library cannot be read: the file 'a.mtl' is not among them"]);
         let outside = Given(&[("a.mtl", b"newmtl red\nmap_Kd c.png\n")]);
         let Loaded { notes, .. } = read_named("a.obj", OBJ, None, &outside).unwrap();
         assert_eq!(notes, ["the image 'c.png' does not exist"]);
@@ -201,7 +201,7 @@ mod tests {
         let folder = Given(&[("my a.bin", b"123")]);
         assert_eq!(read_buffer(&folder, "my%20a.bin"), Ok(b"123".to_vec()));
         assert!(read_buffer(&folder, "b.bin").unwrap_err().contains("'b.bin' is not among them"));
-        assert!(read_buffer(&folder, "../b.bin").unwrap_err().contains("not in the folder"));
-        assert!(read_buffer(&folder, "%FF").unwrap_err().contains("not in the folder"));
+        assert!(read_buffer(&folder, "../b.bin").unwrap_err().contains("outside the folder"));
+        assert!(read_buffer(&folder, "%FF").unwrap_err().contains("outside the folder"));
     }
 }

@@ -69,7 +69,7 @@ fn without_empty_faces(mesh: Mesh, attributes: Attributes, mut notes: Vec<String
     if faces == 0 || !mesh.triangles.iter().all(is_empty) {
         return (mesh, attributes, notes);
     }
-    notes.push(format!("no face has an area ({faces} in all): the vertices are taken as a cloud of points"));
+    notes.push(format!("no face has an area ({faces} in all): the vertices are taken as a point cloud"));
     let attributes = Attributes { vertex: attributes.vertex, ..Attributes::default() };
     (Mesh { triangles: Vec::new(), ..mesh }, attributes, notes)
 }
@@ -78,12 +78,11 @@ fn without_empty_faces(mesh: Mesh, attributes: Attributes, mut notes: Vec<String
 fn check(mesh: &Mesh, format: Format) -> Result<()> {
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
     if vertices == 0 {
-        return Err(whole(format!("there are no vertices in it, read as {format}"), "check what the file is"));
+        return Err(whole(format!("it has no vertices when read as {format}"), "check what the file contains"));
     }
     // The three sides of each triangle are numbered in u32.
     if vertices >= u32::MAX as usize || triangles >= (u32::MAX / 3) as usize {
-        let cause =
-            format!("{vertices} vertices and {triangles} triangles are more than 32-bit numbers can tell apart");
+        let cause = format!("{vertices} vertices and {triangles} triangles are too many for 32-bit indices");
         return Err(whole(cause, "split the file"));
     }
     if let Some(v) = mesh.positions.iter().position(|p| !p.is_finite()) {
@@ -91,10 +90,7 @@ fn check(mesh: &Mesh, format: Format) -> Result<()> {
     }
     let out_of_range = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= vertices);
     if let Some(t) = mesh.triangles.iter().position(out_of_range) {
-        return Err(part(
-            format!("triangle {t}"),
-            &format!("an index is not below the number of vertices, {vertices}"),
-        ));
+        return Err(part(format!("triangle {t}"), &format!("an index is out of range: there are {vertices} vertices")));
     }
     Ok(())
 }
@@ -106,7 +102,7 @@ fn check_attributes(mesh: &Mesh, attributes: &Attributes) -> Result<()> {
     if let Some(a) = attributes.vertex.iter().find(|a| !is_whole(a)) {
         return Err(part(
             format!("attribute {}", text::quote(a.name.as_bytes())),
-            "its values are not those of all vertices",
+            "it does not have one value for each vertex",
         ));
     }
     let materials = attributes.materials.iter().map(|m| (&m.of_triangle, m.list.len()));
@@ -117,7 +113,7 @@ fn check_attributes(mesh: &Mesh, attributes: &Attributes) -> Result<()> {
     if !materials.chain(parts).all(is_known) || !attributes.texture.is_empty() && attributes.texture.len() != triangles
     {
         return Err(whole(
-            "texture coordinates, materials or objects are not those of all triangles",
+            "texture coordinates, materials or objects are not given for each triangle",
             "export the file again",
         ));
     }
@@ -147,7 +143,7 @@ mod tests {
         };
         let cloud = read("3 0 0 0\n3 1 2 1\n");
         assert_eq!((cloud.mesh.positions.len(), cloud.mesh.triangles.len()), (3, 0));
-        assert_eq!(cloud.notes, ["no face has an area (2 in all): the vertices are taken as a cloud of points"]);
+        assert_eq!(cloud.notes, ["no face has an area (2 in all): the vertices are taken as a point cloud"]);
         assert_eq!(read("3 0 0 0\n3 0 1 2\n").mesh.triangles.len(), 2);
     }
 
@@ -162,7 +158,10 @@ mod tests {
         bad.positions[2].z = f64::NAN;
         assert!(check(&bad, Format::Obj).unwrap_err().to_string().contains("vertex 2"));
         assert!(
-            check(&Mesh::default(), Format::Stl).unwrap_err().to_string().contains("no vertices in it, read as STL")
+            check(&Mesh::default(), Format::Stl)
+                .unwrap_err()
+                .to_string()
+                .contains("it has no vertices when read as STL")
         );
     }
 

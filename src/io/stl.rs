@@ -44,13 +44,13 @@ fn has_exact_size(bytes: &[u8]) -> bool {
 fn parse_binary(bytes: &[u8]) -> Parsed {
     let end = Place::Byte(bytes.len());
     let Some(count) = u32_at(bytes, HEADER - 4) else {
-        let cause = "neither an ASCII STL file (no 'solid') nor as long as the header of a binary one";
-        return Err(malformed(end, cause, "check that this is an STL file and complete"));
+        let cause = "neither an ASCII STL file (no 'solid') nor long enough for the header of a binary one";
+        return Err(malformed(end, cause, "check that this is a complete STL file"));
     };
     let whole = (bytes.len() - HEADER) / FACET;
     let count = count as usize;
     if count > whole {
-        let cause = format!("the header says {count} facets, but the file ends after {whole}");
+        let cause = format!("the header declares {count} facets, but the file ends after {whole}");
         return Err(malformed(end, cause, CUT_SHORT));
     }
     let mut mesh = Mesh::default();

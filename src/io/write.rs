@@ -63,7 +63,7 @@ pub fn write_levels(
     match format {
         Format::Gltf => gltf::write_gltf(&levels, out),
         Format::Glb => gltf::write_glb(&levels, out),
-        _ => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, format!("{format} holds one mesh"))),
+        _ => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, format!("{format} can hold only one mesh"))),
     }
 }
 
@@ -83,9 +83,10 @@ fn write_content(content: &Content, format: Format, out: &mut dyn std::io::Write
         Format::ThreeMf => threemf::write(content, out),
         Format::Vtp => vtk::write(content, out),
         Format::Pcd => pcd::write(content, out),
-        Format::Las | Format::Vtk | Format::Gmsh | Format::Medit | Format::E57 => {
-            Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, format!("{format} is read only")))
-        }
+        Format::Las | Format::Vtk | Format::Gmsh | Format::Medit | Format::E57 => Err(std::io::Error::new(
+            std::io::ErrorKind::InvalidInput,
+            format!("{format} can only be read, not written"),
+        )),
     }
 }
 

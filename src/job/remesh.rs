@@ -232,7 +232,8 @@ impl<'a> Surface<'a> {
             return Ok(Surface { input, of_points: None, attributes, options: resolved, points: None, cloud: None });
         }
         if let Some(part) = &options.surface.part {
-            let cause = "the input has points and no triangles, so nothing could stay as it is".into();
+            let cause =
+                "the input has only points and no triangles, so there is no surface to keep outside the part".into();
             let remedy = "make a mesh of it first, by remeshing all of it".into();
             return Err(Error::Option { option: part.setting(), cause, remedy });
         }

@@ -142,11 +142,11 @@ impl SampleSettings {
         } = self;
         let given = density(points, edge_length.map(SampleDensity::EdgeLength), sigma_p.map(SampleDensity::SigmaP))?;
         if scan_only && smooth.is_some() {
-            let cause = "samples that are points of the input stay where they are".into();
+            let cause = "samples that are points of the input cannot be moved".into();
             return Err(Error::Option {
                 option: Setting::Smoothing,
                 cause,
-                remedy: "leave it out, or let samples move".into(),
+                remedy: "leave it out, or allow samples that are not points of the input".into(),
             });
         }
         let cloud = normals.resolve(smooth)?;
@@ -218,7 +218,7 @@ fn at_most_one<const N: usize>(settings: [(Setting, bool); N]) -> Result<()> {
 fn not_dense() -> Error {
     Error::Option {
         option: Setting::Points,
-        cause: "nothing says how dense the result shall be".into(),
+        cause: "no density is given for the result".into(),
         remedy: "give a number of points, an edge length or a kernel width".into(),
     }
 }

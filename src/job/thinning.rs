@@ -81,8 +81,8 @@ pub(super) fn note(thinned: &Thinned) -> String {
     let Thinned { points, cell, numbers } = thinned;
     let kept = numbers.len();
     format!(
-        "{points} points are more than needed and were thinned to {kept}, one for each cell of width {cell:.4e}; every other \
-         point is within {:.4e} of one of these",
+        "{points} points are more than needed and were thinned to {kept}, one for each cell of width {cell:.4e}; each removed \
+         point is within {:.4e} of one that was kept",
         thinned.reach()
     )
 }

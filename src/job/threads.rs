@@ -12,7 +12,7 @@ pub fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Error::Option {
         option: Setting::Threads,
         cause: e.to_string(),
-        remedy: "use fewer".into(),
+        remedy: "use fewer threads".into(),
     })?;
     Ok(pool.install(work))
 }

@@ -254,7 +254,8 @@ impl Attributes {
             }
         }
         let remedy = match &known[..] {
-            [] => "they have none at all; pass the numbers separately, or use a format that stores them, such as PLY or glTF".into(),
+            [] => "there are none: pass the numbers separately, or use a format that stores them, such as PLY or glTF"
+                .into(),
             _ => format!("use one of {}", known.join(", ")),
         };
         let cause = format!("the vertices have no property '{}'", name.escape_debug());
@@ -313,7 +314,7 @@ mod tests {
         }
         let message = attributes.numbers("width").unwrap_err().to_string();
         assert_eq!(message, "the vertices have no property 'width'; use one of red, green, blue, flow_0, flow_1, size");
-        assert!(Attributes::default().numbers("h").unwrap_err().to_string().contains("none at all"));
+        assert!(Attributes::default().numbers("h").unwrap_err().to_string().contains("there are none"));
     }
 
     #[test]

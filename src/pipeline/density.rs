@@ -68,7 +68,10 @@ pub fn check_levels(counts: &[usize]) -> Result<()> {
     }
     counts.iter().try_for_each(|&n| check_count(Setting::Levels, n, format!("{n} vertices are asked for")))?;
     match counts.windows(2).find(|pair| pair[1] >= pair[0]) {
-        Some(pair) => refuse(format!("{} follows {}", pair[1], pair[0]), "give them from fine to coarse, each smaller"),
+        Some(pair) => refuse(
+            format!("{} comes after {}", pair[1], pair[0]),
+            "give them from fine to coarse, each smaller than the one before",
+        ),
         None => Ok(()),
     }
 }
@@ -77,5 +80,5 @@ pub(super) fn check_count(option: Setting, n: usize, cause: String) -> Result<()
     if (FEWEST_POINTS..=MOST_POINTS).contains(&n) {
         return Ok(());
     }
-    Err(Error::Option { option, cause, remedy: format!("from {FEWEST_POINTS} to {MOST_POINTS} are possible") })
+    Err(Error::Option { option, cause, remedy: format!("the number must be from {FEWEST_POINTS} to {MOST_POINTS}") })
 }

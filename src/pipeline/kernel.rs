@@ -42,7 +42,7 @@ pub(super) fn check_kernel(sigma_n: f64, signals: &[Signal]) -> Result<()> {
     let error = |option, cause, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
     if sigma_n.is_nan() || sigma_n <= 0.0 {
         let remedy = "give a number above zero, such as 0.75, or inf";
-        return error(Setting::SigmaN, format!("{sigma_n} is not a width of the kernel"), remedy);
+        return error(Setting::SigmaN, format!("{sigma_n} is not a kernel width"), remedy);
     }
     if signals.len() > MOST_SIGNALS {
         let cause = format!("{} properties are given", signals.len());
@@ -50,13 +50,13 @@ pub(super) fn check_kernel(sigma_n: f64, signals: &[Signal]) -> Result<()> {
     }
     for signal in signals {
         if !(signal.sigma > 0.0 && signal.sigma.is_finite()) {
-            let cause = format!("{} is not a width of the kernel", signal.sigma);
+            let cause = format!("{} is not a kernel width", signal.sigma);
             return error(Setting::Signals, cause, "give a number above zero in the units of the property");
         }
         let values = signal.values.given().unwrap_or_default();
         if let Some(v) = values.iter().position(|value| !value.is_finite()) {
             let cause = format!("vertex {v} has the value {}", values[v]);
-            return error(Setting::Signals, cause, "mend the values, or leave the property out");
+            return error(Setting::Signals, cause, "correct the values, or leave the property out");
         }
     }
     Ok(())

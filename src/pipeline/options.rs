@@ -122,15 +122,19 @@ impl Options {
             return Err(Error::Option {
                 option: Setting::Features,
                 cause,
-                remedy: "give degrees between 0 and 180".into(),
+                remedy: "give an angle between 0 and 180 degrees".into(),
             });
         }
         check_smooth(self.smooth)?;
         self.grading.validate()?;
         self.part.as_ref().map_or(Ok(()), Selection::validate)?;
         if self.part.is_some() && self.smoothing().is_some() {
-            let cause = "smoothing would move what is not in the part to remesh".into();
-            return Err(Error::Option { option: Setting::Smoothing, cause, remedy: "smooth all of it first".into() });
+            let cause = "smoothing would also move the surface outside the part to remesh".into();
+            return Err(Error::Option {
+                option: Setting::Smoothing,
+                cause,
+                remedy: "smooth the whole surface first".into(),
+            });
         }
         match self.max_error {
             Some(MaxError::Length(l)) => check_length(Setting::MaxError, l)?,
@@ -140,7 +144,7 @@ impl Options {
         match self.density {
             Density::OfField if !matches!(self.grading, Grading::Field(_)) => Err(Error::Option {
                 option: Setting::Field,
-                cause: "there are no lengths that say how dense the result shall be".into(),
+                cause: "there are no lengths from which to take the density of the result".into(),
                 remedy: "give lengths or another density".into(),
             }),
             Density::OfField => Ok(()),
@@ -149,8 +153,8 @@ impl Options {
             Density::SigmaP(s) => check_length(Setting::SigmaP, s),
             Density::Auto if self.max_error.is_none() => Err(Error::Option {
                 option: Setting::Points,
-                cause: "nothing says how many are needed".into(),
-                remedy: "bound the error, or give a number of points".into(),
+                cause: "without an error bound, the number needed is not known".into(),
+                remedy: "give an error bound, or a number of points".into(),
             }),
             Density::Auto => Ok(()),
         }
@@ -175,7 +179,7 @@ impl Grading {
             Grading::Even => Ok(()),
             Grading::Curvature(adapt) if (0.0..=1.0).contains(adapt) => Ok(()),
             Grading::Curvature(adapt) => {
-                let cause = format!("{adapt} is not a degree of adaptivity");
+                let cause = format!("{adapt} is out of range");
                 Err(Error::Option { option: Setting::Adaptivity, cause, remedy: "give a number from 0 to 1".into() })
             }
             Grading::Field(Values::Given(lengths)) => check_lengths(lengths),
@@ -218,7 +222,7 @@ fn check_lengths(lengths: &[f64]) -> Result<()> {
     lengths.iter().position(|length| !is_length(length)).map_or(Ok(()), |v| {
         Err(Error::Option {
             option: Setting::Field,
-            cause: format!("vertex {v} has {}, which is not a length", lengths[v]),
+            cause: format!("vertex {v} has the value {}, which is not a length", lengths[v]),
             remedy: "give each vertex a length above zero in the units of the input".into(),
         })
     })

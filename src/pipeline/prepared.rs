@@ -159,8 +159,11 @@ pub fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
     if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
         return refuse(
             Fault::Indices,
-            format!("triangle {t} has a corner that is not there: {:?} of {bound}", mesh.triangles[t]),
-            "mend the indices",
+            format!(
+                "triangle {t} has a corner that does not exist: {:?}, where there are {bound} vertices",
+                mesh.triangles[t]
+            ),
+            "correct the indices",
         );
     }
     Ok(())
@@ -179,9 +182,9 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
     }
     let share = 100.0 * cut as f64 / faces as f64;
     let cause = format!(
-        "{cut} edges have three faces or more, {share:.0} for every hundred of its {faces} faces; where sheets of a surface meet there are at most five: these are all triangles of a volume's cells, or between all near points, and no surface"
+        "{cut} edges have three or more faces, {share:.0} for every hundred of the {faces} faces, but a surface whose sheets meet has at most five: these are all faces of a volume's cells, or triangles between all nearby points, not a surface"
     );
-    let remedy = "export only its outside; or give only its points, as a cloud".into();
+    let remedy = "export only its outer surface, or give only its points, as a cloud".into();
     Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy })
 }
 
@@ -192,8 +195,12 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
 pub fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
     let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
     bad.map_or(Ok(()), |v| {
-        let remedy = "remove it or mend its coordinates".into();
-        Err(Error::Mesh { fault: Fault::Coordinates, cause: format!("vertex {v} is at {}", positions[v]), remedy })
+        let remedy = "remove it or correct its coordinates".into();
+        Err(Error::Mesh {
+            fault: Fault::Coordinates,
+            cause: format!("vertex {v} is at {}, which is too large or not finite", positions[v]),
+            remedy,
+        })
     })
 }
 

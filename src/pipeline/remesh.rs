@@ -304,7 +304,7 @@ const MENDED: &str = "vertices and edges were changed once more where faces cros
 
 fn note_on_run(run: u64) -> String {
     format!(
-        "this is attempt {run} of at most {MOST_RUNS}, with edges of other lengths where earlier ones had self-intersections, slivers or bridges"
+        "this is attempt {run} of at most {MOST_RUNS}, with different edge lengths where earlier attempts had self-intersections, slivers or bridges"
     )
 }
 

@@ -56,7 +56,7 @@ impl Field {
         let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
         domain.grade(lengths.into_iter().map(|length| length / spacing).collect());
         let wanted = count(domain.mesh.area(), spacing);
-        check_count(Setting::Field, wanted, format!("the lengths mean {wanted} vertices"))?;
+        check_count(Setting::Field, wanted, format!("the lengths would give {wanted} vertices"))?;
         Ok(Scale { wanted, spacing })
     }
 }
@@ -89,7 +89,7 @@ pub(super) fn refuse_no_area(clean: &Mesh, unit: &Unit) -> Result<()> {
     if clean.area() > unit.area_of_rounding(clean) {
         return Ok(());
     }
-    let remedy = "a surface is needed; check that the coordinates are not all on one line".into();
+    let remedy = "a surface is needed; check that the coordinates do not all lie on a line".into();
     Err(Error::Mesh { fault: Fault::NoArea, cause: "the triangles have no area".into(), remedy })
 }
 
@@ -108,12 +108,12 @@ impl Scale {
             Err(Error::Mesh {
                 fault: Fault::TooNarrow,
                 cause,
-                remedy: "so narrow a surface needs fewer vertices".into(),
+                remedy: "ask for fewer vertices on so narrow a surface".into(),
             })
         };
         let from_length = |option, length: f64, spacing: f64| {
             let wanted = count(area, spacing);
-            check_count(option, wanted, format!("a length of {length} means {wanted} vertices"))?;
+            check_count(option, wanted, format!("a length of {length} would give {wanted} vertices"))?;
             checked(wanted, spacing)
         };
         let points = |n: usize| checked(n, Scale::of_points(n, area).spacing);

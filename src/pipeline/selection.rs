@@ -91,7 +91,7 @@ impl Selection {
             Selection::Box(lowest, highest) => {
                 let (part, all) = ([*lowest, *highest].map(list), [lo, hi].map(|p| list(p.to_array())));
                 let cause = format!(
-                    "no triangle is inside {}; those of the input are within {}",
+                    "no triangle is inside {}: those of the input are within {}",
                     part.join(","),
                     all.join(",")
                 );
@@ -100,7 +100,7 @@ impl Selection {
             Selection::Vertices(selected) => {
                 let count = selected.iter().filter(|s| **s).count();
                 let all = selected.len();
-                let cause = format!("no triangle has all its corners selected; {count} of {all} vertices are");
+                let cause = format!("no triangle has all its corners selected: {count} of {all} vertices are");
                 self.refuse(cause, "select more of them")
             }
             Selection::Marked { attribute, .. } => self.refuse(

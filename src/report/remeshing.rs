@@ -233,7 +233,7 @@ impl Report {
         report.run.notes.extend(missed.map(|wanted| format!("{made} vertices instead of {wanted}")));
         let open = counted(report.output.topology.boundary_loops, "boundary loop", "boundary loops");
         let is_open = report.output.topology.boundary_loops > 0;
-        report.run.notes.extend(is_open.then(|| format!("{open}, along samples as they were drawn")));
+        report.run.notes.extend(is_open.then(|| format!("{open}: boundaries follow the samples as they were drawn")));
         report.run.notes.push("made piece by piece: sharp edges are rounded".into());
         report
     }
@@ -333,10 +333,10 @@ pub fn noise(cloud: &CloudSummary) -> Option<String> {
             format!("smoothed with a support radius of {} spacings", cloud.smoothed_by_itself)
         }
         0 => return None,
-        n => format!("moved onto planes through the nearest {n}"),
+        n => format!("moved onto planes through the {n} nearest points"),
     };
     Some(format!(
-        "the points are noisy, and were {done}; smoothing with a radius of 1.5 does less, of 4 more, of 0 nothing"
+        "the points are noisy and were {done}; a radius of 1.5 smooths less, 4 smooths more, 0 does not smooth"
     ))
 }
 
@@ -344,8 +344,8 @@ pub fn noise(cloud: &CloudSummary) -> Option<String> {
 pub fn terrain(cloud: &CloudSummary) -> Option<String> {
     (cloud.plan_cell > 0.0).then(|| {
         format!(
-            "the points look like terrain, of which a surface in space would leave many out: what is seen from above is used, \
-             the highest point of each cell {:.4e} wide; with terrain off they are joined in space",
+            "the points look like terrain, and a surface in space would leave many of them out: only the view from above is \
+             used, the highest point of each cell {:.4e} wide; with terrain off, they are joined in space",
             cloud.plan_cell
         )
     })
@@ -354,19 +354,19 @@ pub fn terrain(cloud: &CloudSummary) -> Option<String> {
 /// Describes which points of a cloud are not on the result, and why; `None` if all are.
 pub fn left_out(cloud: &CloudSummary, coverage: &Coverage) -> Option<String> {
     let shreds = counted(cloud.shreds, "shred", "shreds");
-    let shreds = format!("on {shreds} too small for a surface, which nothing joins with the rest");
+    let shreds = format!("on {shreds} too small for a surface and not connected to the rest");
     let below = format!("below others in cells of {:.4e}", cloud.plan_cell);
     let far = format!("farther than {:.4e} from the result", coverage.within);
     let parts = [
-        (cloud.outliers, "no other point's neighbours (outliers)"),
+        (cloud.outliers, "not among the neighbours of any other point (outliers)"),
         (cloud.in_shreds, &shreds),
         (cloud.below, &below),
-        (cloud.unused, "no corner of the first mesh, since neighbours do not agree on a surface there"),
+        (cloud.unused, "not used by the first mesh, since neighbours do not agree on a surface there"),
         (coverage.missed, &far),
     ];
     let parts = parts.iter().filter(|p| p.0 > 0).map(|&(n, what)| format!("{} {what}", counted(n, "is", "are")));
     let parts: Vec<String> = parts.collect();
-    (!parts.is_empty()).then(|| format!("of {} points {}", cloud.points, parts.join("; ")))
+    (!parts.is_empty()).then(|| format!("of {} points, {}", cloud.points, parts.join("; ")))
 }
 
 #[cfg(test)]
@@ -518,13 +518,14 @@ pub(super) mod tests {
         let coverage = Coverage { points: 98, missed: 0, within: 0.5, rms: 0.1, largest: 0.2, place: [0.0; 3] };
         let told = left_out(&cloud, &coverage).unwrap();
         assert!(
-            told.starts_with("of 100 points 2 are no other point's neighbours") && told.contains("; 3 are no corner"),
+            told.starts_with("of 100 points, 2 are not among the neighbours")
+                && told.contains("; 3 are not used by the first mesh"),
             "{told}"
         );
         assert!(told.contains("; 7 are on 2 shreds"), "{told}");
         assert_eq!(left_out(&CloudSummary::default(), &coverage), None);
         let noisy = CloudSummary { noisy: true, flattened_neighbors: 64, ..cloud };
-        assert!(noise(&noisy).unwrap().contains("through the nearest 64; smoothing with"));
+        assert!(noise(&noisy).unwrap().contains("through the 64 nearest points; a radius of 1.5"));
         let smoothed = CloudSummary { flattened_neighbors: 0, smoothed_by_itself: 2.7, ..noisy };
         assert!(noise(&smoothed).unwrap().contains("smoothed with a support radius of 2.7 spacings"));
         assert_eq!(noise(&CloudSummary::default()), None);

@@ -85,7 +85,7 @@ pub(super) fn facts(report: &Report) -> Vec<Fact> {
     let lost = attributes.map(|kept| kept.lost.iter().map(|l| format!("{}: {}", l.name, l.cause)).collect());
     let facts = [
         ("distance, any point", bounded_error(report)),
-        ("θ min, not forced", unforced_angle(report)),
+        ("θ min, unforced", unforced_angle(report)),
         ("sampling", sampling(report)),
         ("sharp edges", sharp_edges(report)),
         ("points", report.cloud.as_ref().map(points_used).unwrap_or_default()),
@@ -101,7 +101,7 @@ pub(super) fn facts(report: &Report) -> Vec<Fact> {
 /// The time and memory that a run took.
 pub(super) fn run_facts(run: &RunSummary) -> Vec<Fact> {
     let memory = run.peak_memory_bytes.map(|bytes| format!("{:.0} MB", bytes as f64 / 1e6));
-    let facts = [("seconds", seconds(run)), ("memory, at most", memory.into_iter().collect())];
+    let facts = [("seconds", seconds(run)), ("peak memory", memory.into_iter().collect())];
     facts.into_iter().filter(|(_, phrases)| !phrases.is_empty()).collect()
 }
 
@@ -118,7 +118,7 @@ fn seconds(run: &RunSummary) -> Vec<String> {
 
 fn bounded_error(report: &Report) -> Vec<String> {
     let Some(d) = &report.deviation else { return Vec::new() };
-    vec![format!("{} at most", significant(d.reached)), format!("{} asked for", significant(d.allowed))]
+    vec![format!("{} at most", significant(d.reached)), format!("{} allowed", significant(d.allowed))]
 }
 
 fn sampling(report: &Report) -> Vec<String> {
@@ -162,11 +162,11 @@ fn points_used(cloud: &CloudSummary) -> Vec<String> {
         points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, below, ..
     } = cloud;
     let others = [
-        (duplicates, "at the place of another one", "at the place of another one"),
+        (duplicates, "duplicate", "duplicates"),
         (outliers, "outlier", "outliers"),
         (in_shreds, "on shreds too small for a surface", "on shreds too small for a surface"),
-        (below, "below another one of terrain", "below others of terrain"),
-        (unused, "other that no triangle uses", "others that no triangle uses"),
+        (below, "below another terrain point", "below other terrain points"),
+        (unused, "other not used by any triangle", "others not used by any triangle"),
         (estimated_normals, "normal estimated", "normals estimated"),
         (turned_normals, "normal turned over", "normals turned over"),
     ];
@@ -201,7 +201,7 @@ fn repairs_made(repairs: &Repairs) -> Vec<String> {
         (needles, "needle or cap removed", "needles and caps removed"),
         (duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped"),
         (flipped_triangles, "triangle turned over", "triangles turned over"),
-        (cut_edges, "edge of more than two faces taken apart", "edges of more than two faces taken apart"),
+        (cut_edges, "edge with more than two faces taken apart", "edges with more than two faces taken apart"),
         (unorientable_edges, "edge cut where no orientation is possible", "edges cut where no orientation is possible"),
         (split_vertices, "vertex split", "vertices split"),
     ];

@@ -90,8 +90,10 @@ impl SamplesReport {
         out.push('\n');
         for (i, SampleLevel { points, spacing, smallest_distance }) in (1..).zip(&self.levels) {
             let (spacing, smallest) = (significant(*spacing), significant(*smallest_distance));
-            let _ =
-                writeln!(out, "level {i}: the first {points}, nearest at {spacing} in the mean, {smallest} at least");
+            let _ = writeln!(
+                out,
+                "level {i}: the first {points}, distance to the nearest {spacing} on average, {smallest} at least"
+            );
         }
         out + &self.run.note_lines()
     }

@@ -79,7 +79,7 @@ impl SurfaceReport {
         ];
         let (points, surface) = (points.join(", "), surface.join(", "));
         let lengths = format!(
-            "cells of {:.6}, points {:.6} apart that reach {} as far",
+            "cell size {:.6}, point spacing {:.6}, support radius {} spacings",
             self.resolution, self.spacing, self.reach
         );
         format!("{} -> {}\n{points}\n{surface}\n{lengths}\n{}", self.input, self.output, self.run.note_lines())

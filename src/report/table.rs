@@ -120,7 +120,7 @@ mod tests {
         has(&text, "attributes, lost         h: PLY has lost it");
         has(&text, "note                     One face is missing.");
         has(&text, "seconds                  0.250 with 2 threads, read 0.250");
-        has(&text, "memory, at most          150 MB");
+        has(&text, "peak memory              150 MB");
         assert!(text.contains("NOT VERIFIED             2 edges between faces of opposite orientation,\n"));
         assert!(text.lines().all(|line| line.chars().count() <= LINE), "{text}");
     }
@@ -130,7 +130,7 @@ mod tests {
         let of_run = |milliseconds| failed_run("measure", milliseconds, Some(1_000_000));
         let text = all_to_text(&[of_run(250), of_run(250), of_run(500)]);
         let lines = |name: &str| text.lines().filter(|line| line.starts_with(name)).count();
-        assert_eq!((lines("vertices"), lines("seconds"), lines("memory")), (3, 2, 2));
+        assert_eq!((lines("vertices"), lines("seconds"), lines("peak memory")), (3, 2, 2));
     }
 
     #[test]

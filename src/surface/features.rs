@@ -51,7 +51,8 @@ impl Features {
         let Features::Edges(edges) = self else { return Ok(()) };
         let wrong = edges.iter().find(|ends| ends.iter().any(|&v| v as usize >= vertices));
         wrong.map_or(Ok(()), |[a, b]| {
-            let cause = format!("no edge joins vertices {a} and {b}: triangles have {vertices}");
+            let cause =
+                format!("vertices {a} and {b} cannot be the ends of an edge: the mesh has only {vertices} vertices");
             Err(Error::Option { option: Setting::Features, cause, remedy: "give edges of this mesh".into() })
         })
     }

@@ -54,7 +54,7 @@ impl TileFolder {
     pub fn make(path: &Path) -> Result<TileFolder> {
         let failed = |error: std::io::Error| Error::File {
             file: path.display().to_string(),
-            cause: format!("the folder cannot be made: {error}"),
+            cause: format!("the folder cannot be created: {error}"),
             remedy: "choose another one".into(),
         };
         fs::create_dir_all(path).map_err(failed)?;

@@ -260,7 +260,7 @@ fn an_error_that_is_exceeded_is_status_three_and_auto_keeps_it() {
     let length = |name: &str| report["deviation"][name].as_f64().unwrap();
     assert!(length("reached") > length("allowed"), "{report}");
     run(folder.path(), "sphere.off out.off --points auto --max-error 0.02 -q").went_well();
-    run(folder.path(), "sphere.off out.off --points auto").failed(2, &["--points: ", "bound the error"]);
+    run(folder.path(), "sphere.off out.off --points auto").failed(2, &["--points: ", "give an error bound"]);
 }
 
 #[test]
@@ -276,7 +276,7 @@ fn quiet_says_nothing_and_verbose_names_the_stages() {
     std::fs::write(folder.path().join("cloud.xyz"), cloud + &shred).unwrap();
     let told = run(folder.path(), "cloud.xyz cloud.ply --points 200 -q");
     assert_eq!((told.status, told.err.lines().count()), (0, 1), "{}", told.err);
-    assert!(told.err.contains("of 1625 points 25 are on 1 shred too small"), "{}", told.err);
+    assert!(told.err.contains("of 1625 points, 25 are on 1 shred too small"), "{}", told.err);
     let verbose = run(folder.path(), "sphere.off verbose.ply --points 200 -v");
     assert_eq!(verbose.status, 0);
     assert!(verbose.err.lines().all(|line| line.starts_with("remesh: ")), "{}", verbose.err);
@@ -356,7 +356,7 @@ fn a_part_is_remeshed_and_the_rest_comes_through() {
     let path = folder.path();
     let read = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
     let said = run(path, "sphere.off cap.off --within -1,-1,0.4,1,1,1 --points 700");
-    assert!(said.went_well().contains("700 vertices are inside of the part that was remeshed"), "{}", said.out);
+    assert!(said.went_well().contains("700 vertices are inside the part that was remeshed"), "{}", said.out);
     let (before, after) = (read("sphere.off"), read("cap.off"));
     let vertices = before.lines().filter(|line| line.split(' ').count() == 3).skip(1);
     let below = vertices.filter(|line| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap() < 0.4);
@@ -367,7 +367,7 @@ fn a_part_is_remeshed_and_the_rest_comes_through() {
     run(path, "graded.ply a.off --select h=0.4 --points 60").went_well();
     // All vertices except vertex 0 have 0.4; the five are corners of the interface or beside it.
     assert!(read("a.off").lines().nth(1).unwrap().starts_with("65 "), "{}", read("a.off"));
-    let nothing = "within: no triangle is inside 2,2,2,3,3,3; those of the input are within -1,-1,-1,1,1,1";
+    let nothing = "within: no triangle is inside 2,2,2,3,3,3: those of the input are within -1,-1,-1,1,1,1";
     run(path, "graded.ply c.off --within 2,2,2,3,3,3 --points 60").failed(2, &[nothing]);
     run(path, "graded.ply c.off --select h=7 --points 60").failed(2, &["select: ", "0 of 6 vertices"]);
     run(path, "graded.ply c.off --select red --points 60").failed(1, &["graded.ply: ", "no property 'red'"]);
@@ -392,15 +392,15 @@ fn lengths_come_from_a_property_or_a_list() {
     assert!(read("b.off").lines().nth(1).unwrap().starts_with("123 "));
 
     run(path, "graded.ply c.off --sizing size").failed(1, &["graded.ply: ", "no property 'size'", "use one of h"]);
-    run(path, "octahedron.off c.off --sizing h").failed(1, &["octahedron.off: ", "no property 'h'", "none at all"]);
+    run(path, "octahedron.off c.off --sizing h").failed(1, &["octahedron.off: ", "no property 'h'", "there are none"]);
     run(path, "octahedron.off c.off --sizing none.json").failed(1, &["none.json", "no such file"]);
     run(path, "octahedron.off c.off --sizing h.json --adapt 1").failed(2, &["--adapt"]);
     run(path, "octahedron.off c.off --points 99 --adapt 1.5").failed(2, &["adapt: 1.5", "from 0 to 1"]);
     with_property(path, "-1");
-    run(path, "graded.ply c.off --sizing h").failed(2, &["sizing: vertex 0 has -1"]);
+    run(path, "graded.ply c.off --sizing h").failed(2, &["sizing: vertex 0 has the value -1"]);
     for (text, words) in [
         ("[0.1, 0.4]", "2 values are given for the 6 vertices"),
-        ("[1, 1, 1, 0, 1, 1]", "vertex 3 has 0, which is not a length"),
+        ("[1, 1, 1, 0, 1, 1]", "vertex 3 has the value 0, which is not a length"),
     ] {
         lengths(text);
         run(path, "octahedron.off c.off --sizing h.json").failed(2, &["sizing: ", words]);
@@ -424,11 +424,11 @@ fn attributes_are_carried_and_what_is_lost_is_said() {
     // The transferred property can be used as a field again.
     run(path, "a.ply b.ply --sizing h -q").went_well();
     let lost = report("graded.ply a.stl");
-    assert_eq!(lost["lost"][0], serde_json::json!({ "name": "h", "cause": "STL has no place for it" }));
+    assert_eq!(lost["lost"][0], serde_json::json!({ "name": "h", "cause": "STL cannot store it" }));
     assert_eq!(report("graded.ply a.ply --no-attributes"), serde_json::Value::Null);
     assert_eq!(report("octahedron.off a.ply"), serde_json::json!({ "carried": [], "lost": [] }));
     let table = run(path, "graded.ply a.obj --points 300");
-    assert!(table.went_well().contains("\nattributes, lost         h: OBJ has no place for it\n"), "{}", table.out);
+    assert!(table.went_well().contains("\nattributes, lost         h: OBJ cannot store it\n"), "{}", table.out);
 }
 
 #[test]
@@ -467,9 +467,10 @@ fn three_points_are_no_surface_and_columns_are_no_output() {
     let path = folder.path();
     std::fs::write(path.join("cloud.xyz"), "0 0 0\n1 0 0\n0 1 0\n").unwrap();
     std::fs::write(path.join("bad.pts"), "0 0 0\n1 0 0 5\n").unwrap();
-    run(path, "cloud.xyz out.obj --points 100").failed(1, &["cloud.xyz", "3 points at different places are too few"]);
-    run(path, "bad.pts out.obj --points 100").failed(1, &["bad.pts:2: 4 columns, where the lines before have 3"]);
-    run(path, "sphere.off out.xyz --points 100").failed(1, &["out.xyz: XYZ has no triangles", ".obj"]);
+    run(path, "cloud.xyz out.obj --points 100").failed(1, &["cloud.xyz", "3 distinct points are too few"]);
+    run(path, "bad.pts out.obj --points 100")
+        .failed(1, &["bad.pts:2: the line has 4 columns, but the lines before it have 3"]);
+    run(path, "sphere.off out.xyz --points 100").failed(1, &["out.xyz: XYZ cannot hold triangles", ".obj"]);
 }
 
 #[test]
@@ -506,9 +507,9 @@ fn what_cannot_be_sampled_is_one_line() {
     let folder = folder();
     let failed = |words: &str, status, said: &str| run(folder.path(), words).failed(status, &[said]);
     failed("sample points.off s.ply --points 3", 1, "too few for a surface");
-    failed("sample sphere.off s.stl --points 3", 1, "s.stl: STL has no points");
+    failed("sample sphere.off s.stl --points 3", 1, "s.stl: STL cannot hold points");
     failed("sample sphere.off s.ply --points auto", 2, "a whole number");
-    failed("sample sphere.off s.ply", 2, "how dense?");
+    failed("sample sphere.off s.ply", 2, "no density is given");
     failed("sample sphere.off s.ply --points 9 --sigma-n 0", 2, "sigma-n");
     failed("sample sphere.off s.ply --points 9 --sigma x", 2, "NAME=VALUE");
     failed("sample sphere.off s.ply --points 9 --sigma x=0", 2, "positive");
@@ -525,7 +526,7 @@ fn points_become_a_dense_surface() {
     let said = run(folder.path(), "reconstruct s.xyz s.obj --resolution 0.1 --smooth 2.5 --report s.json");
     let said = said.went_well();
     assert!(
-        said.contains("400 points") && said.contains("cells of 0.1") && said.contains("characteristic 2"),
+        said.contains("400 points") && said.contains("cell size 0.1") && said.contains("characteristic 2"),
         "{said}"
     );
     let report = json(&std::fs::read_to_string(folder.path().join("s.json")).unwrap());
@@ -534,7 +535,7 @@ fn points_become_a_dense_surface() {
     // The vertices of a mesh are points, too.
     assert!(run(folder.path(), "reconstruct s.obj t.off --resolution 0.2").went_well().contains("0 boundary loops"));
     let failed = |words: &str, status, said: &str| run(folder.path(), words).failed(status, &[said]);
-    failed("reconstruct points.off t.ply", 1, "points.off: 3 points at different places are too few");
+    failed("reconstruct points.off t.ply", 1, "points.off: 3 distinct points are too few");
     failed("reconstruct s.xyz t.ply --resolution 0", 2, "positive");
     failed("reconstruct s.xyz t.ply --resolution 1e-6", 2, "corners near the surface");
     failed("reconstruct s.xyz t.ply --smooth 0.1", 2, "smooth");

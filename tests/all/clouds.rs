@@ -292,11 +292,11 @@ fn no_surface_goes_through_them() {
         let error = mesh_of_points(&cloud(positions), &CloudOptions::default(), &()).unwrap_err().to_string();
         assert!(error.contains(why), "{error}");
     };
-    refused(vec![], "0 points");
-    refused(vec![DVec3::X], "at one place");
-    refused(vec![DVec3::X; 1_000], "at one place");
+    refused(vec![], "0 distinct points");
+    refused(vec![DVec3::X], "at the same position");
+    refused(vec![DVec3::X; 1_000], "at the same position");
     refused(vec![DVec3::X, DVec3::Y], "2 points lie on a line");
-    refused(vec![DVec3::X, DVec3::Y, DVec3::ZERO], "3 points at different places are too few");
+    refused(vec![DVec3::X, DVec3::Y, DVec3::ZERO], "3 distinct points are too few");
     refused((0..1_000).map(|i| dvec3(f64::from(i), 2.0 * f64::from(i), 1.0)).collect(), "1000 points lie on a line");
     refused(vec![dvec3(f64::NAN, 0.0, 0.0); 10], "point 0");
     let mut rng = random();

@@ -151,9 +151,12 @@ fn levels_fall_and_may_be_given_up() {
     let made = |counts: &[usize], each: &mut dyn FnMut(Outcome) -> spectral_remesh::Result<()>| {
         remesh_levels(&Input::from(&mesh), &RemeshOptions::default(), counts, each, &())
     };
-    for (counts, words) in
-        [(&[][..], "no number"), (&[90, 2], "2 vertices"), (&[90, 100], "100 follows 90"), (&[90, 90], "90 follows")]
-    {
+    for (counts, words) in [
+        (&[][..], "no number"),
+        (&[90, 2], "2 vertices"),
+        (&[90, 100], "100 comes after 90"),
+        (&[90, 90], "90 comes after"),
+    ] {
         let error = made(counts, &mut |_| Ok(())).unwrap_err();
         assert!(matches!(error, Error::Option { option: Setting::Levels, .. }) && error.to_string().contains(words));
     }

@@ -73,12 +73,12 @@ fn what_is_not_there_is_said_and_stays_named() {
     assert_eq!(notes, ["the image 'images\\\\my wood.png' does not exist"]);
     fs::remove_file(folder.path().join("in/a.mtl")).unwrap();
     let (_, notes) = converted(folder.path(), "in/a.obj", "in/b.obj");
-    assert_eq!(notes, ["the library of materials is not read: the file 'a.mtl' cannot be read: there is no such file"]);
+    assert_eq!(notes, ["the material library cannot be read: the file 'a.mtl' cannot be read: there is no such file"]);
     assert!(fs::read_to_string(folder.path().join("in/b.obj")).unwrap().starts_with("mtllib a.mtl\n"));
     assert!(!folder.path().join("in/b.mtl").exists());
     fs::write(folder.path().join("in/a.obj"), OBJ.replace("a.mtl", "../a.mtl")).unwrap();
     let (_, notes) = converted(folder.path(), "in/a.obj", "in/b.obj");
-    assert!(notes[0].contains("'../a.mtl' is not in the folder"), "{notes:?}");
+    assert!(notes[0].contains("'../a.mtl' is outside the folder"), "{notes:?}");
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn formats_say_what_of_materials_they_lose() {
     let parts = Some(Parts::default());
     let attributes = Attributes { materials, parts, ..Attributes::default() };
     let lost = |format: Format| format.cannot_hold(&attributes).into_iter().map(|l| l.name).collect::<Vec<_>>();
-    assert_eq!(lost(Format::Obj), ["textures of roughness, metal and occlusion"]);
+    assert_eq!(lost(Format::Obj), ["textures for roughness, metalness and occlusion"]);
     assert_eq!(lost(Format::Glb), ["images that are neither PNG nor JPEG"]);
     assert_eq!(lost(Format::Stl), ["materials", "names of objects"]);
 }

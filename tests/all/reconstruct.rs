@@ -136,7 +136,7 @@ fn what_has_no_surface_is_refused() {
     let default = ReconstructOptions::default();
     refused(&Points::default(), &default, "too few");
     let five = Points::without_normals(ball.positions()[..5].to_vec());
-    refused(&five, &default, "5 points at different places are too few");
+    refused(&five, &default, "5 distinct points are too few");
     let line = Points::without_normals((0..50).map(|i| f64::from(i) * DVec3::ONE).collect());
     refused(&line, &default, "on a line");
     for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -27,7 +27,7 @@ impl Session {
         let ((name, bytes), others) = files.mesh().ok_or_else(|| missing("no file"))?;
         let mut loaded = read_named(name, bytes, format, files)?;
         if !others.is_empty() {
-            loaded.notes.push(format!("one mesh at a time: nothing was made of {}", others.join(", ")));
+            loaded.notes.push(format!("only one mesh is read at a time: {} ignored", others.join(", ")));
         }
         *self = Session { input: Some((name.into(), loaded)), outcome: None };
         Ok(())

@@ -96,7 +96,7 @@ test("what cannot be done is said in the words of the page", async () => {
   const library = await fresh();
   const refused = (content, name = "a.obj") => () => load(library, [[name, text(content)]]);
   assert.throws(refused("v 0 0 nan"), /^Error: a\.obj:1: the coordinate 'nan' is not finite; /);
-  assert.throws(refused("<COLLADA>", "a.dae"), /it is a COLLADA file, which is not read; convert it/);
+  assert.throws(refused("<COLLADA>", "a.dae"), /it is a COLLADA file, which is not supported; convert it/);
   assert.throws(refused("OFF\n1 0 0\n0 0 0\n"), /rename the file or give off as its format/);
   loadModel(library, "bracket.stl");
   const remeshed = (options) => () => library.ask({ remesh: { form: { ...library.form, ...options } } });

@@ -37,36 +37,37 @@ pub use words::Sizing;
 pub const AFTER_HELP: &str = "\
 Examples:
   remesh scan.ply clean.ply --points 20000
-      as many vertices as asked for, evenly spread
+      exactly as many vertices as requested, evenly spread
   remesh part.stl part.obj --edge-length 0.5 --report part.json
-      triangles of about that size, and a report as JSON
+      triangles with edges of about that length, and a report as JSON
   remesh scan.ply clean.ply --points auto --max-error 0.2%
-      as few vertices as stay within 0.2 % of the diagonal of the input
+      the fewest vertices that stay within 0.2 % of the input's diagonal
   remesh scan.ply scan.glb --levels 50000,10000,2000
-      levels of detail: a finished mesh of each number of vertices
+      levels of detail: one finished mesh for each vertex count
   remesh sample scan.ply points.ply --points 20000
       blue noise without triangles: points with normals
   remesh reconstruct scan.ply dense.ply --resolution 0.2
-      the smooth surface of a cloud, all of it as dense triangles
+      the whole smooth surface of a point cloud, as dense triangles
   remesh scan.ply clean.ply --points 20000 --report clean.html
-      and a page with before and after to turn around, for a browser
+      and a page for a browser with interactive 3D views of the mesh before and after
   remesh quality clean.ply --against scan.ply
-      measure any mesh, and how far it is from another one
+      measure any mesh, and its distance to another one
 
-Formats, by the ending of the file: obj, ply, stl, off, gltf, glb, 3mf, vtp; and, only read, vtk, vtu,
-msh, mesh, meshb. Points without triangles are read from most of them, from pcd, las, laz and e57, and
-from columns of numbers: xyz, xyzn, pts, asc, txt. Behind any of these .gz may follow.
+Formats, by file extension: obj, ply, stl, off, gltf, glb, 3mf, vtp; and, for reading only, vtk,
+vtu, msh, mesh, meshb. Points without triangles are read from most of these, from pcd, las, laz and
+e57, and from columns of numbers: xyz, xyzn, pts, asc, txt. Any of these may be followed by .gz.
 
 Exit status:
-  0   the result is written and verified: an oriented manifold of the input's topology, without
-      self-intersections where the input has none, without slivers and triangles where the input
+  0   the result is written and verified: an oriented manifold with the input's topology, no
+      self-intersections where the input has none, no slivers and no triangles where the input
       has no surface, and within --max-error if that is given
   1   a file cannot be read or written, or holds no mesh that can be remeshed
-  2   wrong usage, or an option out of its range
+  2   wrong usage, or an option out of range
   3   the result is written, but could not be verified; the report says why
   130 interrupted; no file was changed";
 
-/// Remesh a surface by spectral sampling: exactly the vertices asked for, well-shaped triangles, the input's topology.
+/// Remesh a surface by spectral sampling: exactly the requested number of vertices, well-shaped
+/// triangles, the input's topology.
 #[derive(Debug, Parser)]
 #[command(name = "remesh", version, after_help = AFTER_HELP, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -93,18 +94,18 @@ enum Command {
     /// Sample a surface: points with normals, without triangles, or a subset of the input's points
     #[command(long_about = sample::HELP)]
     Sample(SampleArgs),
-    /// Extract all of the smooth surface of a cloud of points, or of a mesh's vertices, as dense triangles
+    /// Extract the whole smooth surface of a point cloud, or of a mesh's vertices, as dense triangles
     #[command(long_about = reconstruct::HELP)]
     Reconstruct(ReconstructArgs),
-    /// Sample a cloud of any size tile by tile, on as many machines as share a folder
+    /// Sample a point cloud of any size tile by tile, on any number of machines that share a folder
     #[command(subcommand, long_about = tiles::HELP)]
     Tiles(TilesArgs),
-    /// Measure a mesh, also one that this tool did not write
+    /// Measure any mesh, including those written by other tools
     #[command(long_about = quality::HELP)]
     Quality(QualityArgs),
-    /// Print the completions of a shell, to be sourced by it
+    /// Print a completion script for a shell to source
     Completions { shell: Shell },
-    /// Print the manual page, or that of a command, in the format of man
+    /// Print the manual page of the program, or of a command, in man format
     Man {
         #[arg(value_parser = manual::COMMANDS)]
         command: Option<String>,
@@ -274,9 +275,10 @@ mod tests {
     #[test]
     fn there_are_pages_of_meshes_only() {
         assert!(
-            complaint("remesh sample a b --points 9 --report r.html").contains("r.html: there is no page of samples")
+            complaint("remesh sample a b --points 9 --report r.html")
+                .contains("r.html: there is no report page for samples")
         );
-        assert!(complaint("remesh reconstruct a b --report r.HTML").contains("end in .json"));
+        assert!(complaint("remesh reconstruct a b --report r.HTML").contains("ends in .json"));
         assert_eq!(remeshing("remesh a b --points 9 --report r.html").run.report, Some("r.html".into()));
     }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
 Measures the triangles of a mesh as they are: angles, quality Q = 6S/(√3 p h), edge lengths, valences and topology;
-and with --against the distance to another mesh, in percent of the diagonal of that one's bounding box. Several meshes
+and, with --against, the distance to another mesh, in percent of the diagonal of that mesh's bounding box. Several meshes
 are measured one after the other; --report F.html shows them side by side.
 
 Exit status: 0 measured, 1 a file cannot be read, 2 wrong usage, 130 interrupted.";
@@ -16,19 +16,19 @@ pub(super) struct QualityArgs {
     /// The mesh to measure, or several to compare
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
-    /// Measure the distance to this mesh, too
+    /// Also measure the distance to this mesh
     #[arg(long, value_name = "INPUT")]
     against: Option<PathBuf>,
     /// Print the report as JSON
     #[arg(long)]
     json: bool,
-    /// Write the report to a file: F.html as a page with pictures, any other as JSON
+    /// Write the report to a file: as a page with pictures if it is named F.html, otherwise as JSON
     #[arg(long, value_name = "F")]
     report: Option<PathBuf>,
-    /// Format of the meshes [default: by its ending, else by its content]
+    /// Format of the meshes [default: by their extension, else by their content]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
-    /// Threads to use; the figures do not depend on it [default: one a core]
+    /// Number of threads; the figures do not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }

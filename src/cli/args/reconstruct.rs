@@ -8,21 +8,22 @@ use crate::pipeline::ReconstructOptions;
 use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
-Extracts all of the robust implicit surface of a cloud of points, or of the vertices of a mesh, as triangles about as
-large as the cells that they are extracted with: dense, of all shapes, an oriented manifold. Noise is smoothed away. Where
-the cloud has a border, the surface goes on for up to a spacing. For even triangles, or a number of them, remesh the result.
+Extracts the whole robust implicit surface of a point cloud, or of the vertices of a mesh, as an oriented manifold of
+dense triangles of all shapes, about as large as the grid cells from which they are extracted. Noise is smoothed away. At
+the border of a cloud, the surface extends beyond it by up to one point spacing. For even triangles, or a given number of
+them, remesh the result.
 
 Exit status: 0 done, 1 a file cannot be read or written, or has no surface, 2 wrong usage, 130 interrupted.";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ReconstructArgs {
-    /// The points to read, or a mesh whose vertices are taken
+    /// The points to read, or a mesh whose vertices are used
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// The mesh to write; an existing file is replaced when the new one is complete
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Edge length of the cells, in the units of the input [default: half the mean spacing of the points]
+    /// Edge length of the grid cells, in the units of the input [default: half the mean spacing of the points]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
     resolution: Option<f64>,
     #[arg(long, value_name = "W", allow_negative_numbers = true, help = support_help())]

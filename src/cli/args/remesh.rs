@@ -26,11 +26,11 @@ pub(super) struct FileArgs {
 /// What may stand beside the files. It has defaults throughout, so that clap finds it with the other commands, too.
 #[derive(Debug, clap::Args)]
 pub(super) struct RemeshArgs {
-    /// Number of vertices of the output; auto, with --max-error, takes as many as that needs
+    /// Number of vertices of the output; auto takes as many as --max-error needs
     #[arg(long, value_name = "N|auto", group = "density", allow_negative_numbers = true, value_parser = points)]
     points: Option<Density>,
-    /// Levels of detail: a mesh of each of these numbers of vertices, from fine to coarse, as OUT-1, OUT-2 and so on, all in
-    /// one file of glTF or GLB, or cut into tiles if OUT ends with .json
+    /// Levels of detail: one mesh for each of these vertex counts, from fine to coarse, as OUT-1, OUT-2 and so on; all in one
+    /// file for glTF and GLB, or cut into tiles if OUT ends in .json
     #[arg(long, value_name = "N,N,...", group = "density", allow_negative_numbers = true, value_delimiter = ',')]
     levels: Vec<usize>,
     /// Mean edge length of the output, in the units of the input
@@ -43,25 +43,25 @@ pub(super) struct RemeshArgs {
     #[arg(long, value_name = "SEED", default_value_t = Options::default().seed)]
     seed: u64,
     /// Weld boundary vertices within this distance, in the units of the input, to close cracks; 0 welds only those at
-    /// exactly one place [default: seams that rounding opened are closed]
+    /// exactly the same position [default: only close seams opened by rounding]
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = positive_or_zero)]
     weld: Option<f64>,
-    /// Edges with at least this dihedral angle, in degrees, are kept sharp; none keeps none, auto lets the input decide
+    /// Keep edges with at least this dihedral angle, in degrees, sharp; none keeps no edge sharp, auto decides from the input
     /// [default: auto]
     #[arg(long, value_name = "DEGREES|none|auto", allow_negative_numbers = true, value_parser = features)]
     features: Option<Features>,
-    /// How much edge lengths follow the shape: from 0, even, to 1, short where it bends or is thin
+    /// How strongly edge lengths adapt to the shape: from 0, uniform, to 1, short where it bends or is thin
     #[arg(long, value_name = "A", group = "grading", allow_negative_numbers = true)]
     adapt: Option<f64>,
-    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    /// Kernel width σn along unit normals: 0.5 to 1 concentrates samples where the surface bends; inf spreads them evenly
     #[arg(long, value_name = "S", conflicts_with = "grading", allow_negative_numbers = true)]
     sigma_n: Option<f64>,
-    /// Kernel width along a property of the input's vertices (as of a vertex in PLY, or an attribute like _HEAT in glTF),
-    /// in its units: samples gather where it changes; up to four times
+    /// Kernel width along a property of the input's vertices (a vertex property in PLY, an attribute such as _HEAT in glTF),
+    /// in its units: concentrates samples where the property changes; can be given up to four times
     #[arg(long = "sigma", value_name = "NAME=VALUE", conflicts_with = "grading", value_parser = property_width)]
     properties: Vec<PropertyWidth>,
-    /// Edge lengths wanted at the vertices of the input: a property of theirs, as of a vertex in PLY or an attribute like
-    /// _SIZE in glTF, or a .json file with a list; also says how dense, if nothing else does
+    /// Target edge lengths at the vertices of the input: a property (a vertex property in PLY, an attribute such as _SIZE in
+    /// glTF) or a .json file with a list; also sets the density, if no other option does
     #[arg(long, value_name = "PROPERTY|F.json", group = "grading")]
     sizing: Option<String>,
     #[arg(long, value_name = "W", num_args = 0..=1, allow_negative_numbers = true, help = smoothing_help())]
@@ -69,32 +69,32 @@ pub(super) struct RemeshArgs {
     /// Close holes of a cloud that fit in a box with this diagonal, in the units of the input
     #[arg(long, value_name = "SIZE", default_value_t = CloudOptions::default().fill_holes, allow_negative_numbers = true)]
     fill_holes: f64,
-    /// Whether a cloud is of terrain: what is seen from above becomes a sheet with one height at each place; z is up
-    /// [default: if it looks like that and many points would be left out otherwise]
+    /// Whether to treat a cloud as terrain: the view from above becomes a sheet with one height at each place; z is up
+    /// [default: yes if it looks like terrain and many points would otherwise be left out]
     #[arg(long, value_name = "yes|no", num_args = 0..=1, default_missing_value = "yes", value_parser = BoolishValueParser::new())]
     terrain: Option<bool>,
     #[command(flatten)]
     normals: NormalArgs,
-    /// Remesh only what is inside this box, in the units of the input; the rest stays as it is to the last bit. --points
-    /// then counts the vertices strictly inside of the part, and not those on its interface with the rest
+    /// Remesh only what is inside this box, in the units of the input; the rest is kept bit for bit. --points then
+    /// counts the vertices strictly inside the part, not those on its interface with the rest
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
     within: Option<Selection>,
-    /// Remesh only the triangles at whose corners this property of the input's vertices is not zero, or has a value;
-    /// otherwise as --within
+    /// Remesh only the triangles with this vertex property of the input non-zero, or equal to VALUE, at all corners; otherwise
+    /// as --within
     #[arg(long, value_name = "PROPERTY[=VALUE]", conflicts_with = "within", value_parser = mark)]
     select: Option<Selection>,
-    /// How far any point of the output may be from the input, and back: a length, or a share of the diagonal of the
-    /// input's bounding box, as in 0.1%
+    /// Maximum distance of any point of the output from the input, and vice versa: a length, or a percentage of the diagonal
+    /// of the input's bounding box, as in 0.1%
     #[arg(long, value_name = "E|E%", allow_negative_numbers = true, value_parser = max_error)]
     max_error: Option<MaxError>,
     /// Leave out colours, texture coordinates, normals and other attributes of the input
     #[arg(long)]
     no_attributes: bool,
-    /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent does
+    /// 1 optimises the triangles after sampling, 0 leaves the samples where the paper's gradient ascent puts them
     #[arg(long, value_name = "0|1", default_value_t = u8::from(Options::default().optimize), value_parser = clap::value_parser!(u8).range(0..=1))]
     optimize: u8,
-    /// Read a mesh in blocks and make it coarser meanwhile: by itself for files larger than --memory, and for meshes far
-    /// finer than the result. Faces in OBJ, binary PLY and binary STL; points are thinned while they are read in any case,
+    /// Read a mesh in blocks and coarsen it meanwhile; automatic for files larger than --memory, and for meshes far finer
+    /// than the result. Works for faces in OBJ, binary PLY and binary STL; points are always thinned while they are read,
     /// and the result is made piece by piece if it would not fit in --memory
     #[arg(long)]
     out_of_core: bool,

@@ -12,17 +12,17 @@ use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
 Samples a surface: points with normals, without triangles, as the paper's gradient ascent leaves them (blue noise).
-They have the colours and other attributes that a mesh has there, or the nearest point of a cloud. With --scan-only a subset
-of the input's points, each with its index in it (in PLY as the property index) and its own attributes. A cloud of points
-is sampled on its robust implicit surface; normals that it lacks are estimated.
+They take the colours and other attributes of the mesh at their place, or of the nearest point of a cloud. With --scan-only
+they are a subset of the input's points, each with its own attributes and its index in the input (in PLY, the property
+index). A point cloud is sampled on its robust implicit surface; missing normals are estimated.
 
-Formats of the output, by the ending of the file: obj (v, vn), ply (x y z nx ny nz index), off, gltf, glb, vtp, pcd, xyz.
+Formats of the output, by file extension: obj (v, vn), ply (x y z nx ny nz index), off, gltf, glb, vtp, pcd, xyz.
 
 Exit status: 0 sampled, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 130 interrupted.";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct SampleArgs {
-    /// The mesh or the cloud of points to read
+    /// The mesh or point cloud to read
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// The points to write; an existing file is replaced when the new one is complete
@@ -30,20 +30,20 @@ pub(super) struct SampleArgs {
     output: PathBuf,
     #[command(flatten)]
     even: EvenArgs,
-    /// Kernel width σn along unit normals: with 0.5 to 1 samples gather where the surface bends; inf is even
+    /// Kernel width σn along unit normals: 0.5 to 1 concentrates samples where the surface bends; inf spreads them evenly
     #[arg(long, value_name = "S", default_value_t = SampleOptions::default().sigma_n, allow_negative_numbers = true)]
     sigma_n: f64,
-    /// Kernel width along a property of the input's vertices (PLY, or glTF like _HEAT), in its units: samples gather
-    /// where it changes; up to four times
+    /// Kernel width along a property of the input's vertices (in PLY, or in glTF such as _HEAT), in its units: concentrates
+    /// samples where the property changes; can be given up to four times
     #[arg(long = "sigma", value_name = "NAME=VALUE", value_parser = property_width)]
     properties: Vec<PropertyWidth>,
     #[command(flatten)]
     normals: NormalArgs,
-    /// Write the points in progressive order, in which any first part of them is evenly spread, too: K levels, each with
-    /// a quarter of the points of the next one. The report says where each ends
+    /// Write the points in progressive order, so that any initial part of them is also evenly spread: K levels, each with a
+    /// quarter of the points of the next one. The report says where each level ends
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     levels: Option<usize>,
-    /// Format of the input [default: by its ending, else by its content]
+    /// Format of the input [default: by its extension, else by its content]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     #[command(flatten)]
@@ -66,7 +66,7 @@ pub(super) struct EvenArgs {
     sigma_p: Option<f64>,
     #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = support_help())]
     smooth: Option<f64>,
-    /// Take a subset of the input's points by the linear scan alone
+    /// Take a subset of the input's points, using only the linear scan
     #[arg(long)]
     scan_only: bool,
     /// Seed of the random numbers: same seed, same input, same output
@@ -103,7 +103,7 @@ impl EvenArgs {
 /// How what is larger than memory is sampled.
 #[derive(Debug, clap::Args)]
 struct OutOfCoreArgs {
-    /// Sample tile by tile, with all points in temporary files: by itself for files larger than --memory. Points in
+    /// Sample tile by tile, with all points in temporary files; automatic for files larger than --memory. Works for points in
     /// binary PLY, LAS, LAZ, E57 and text
     #[arg(long)]
     out_of_core: bool,

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 /// How a command goes on, whatever it does.
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
-    /// Threads to use; the output does not depend on it [default: one a core]
+    /// Number of threads; the output does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Write the report to a file: F.html as a page with pictures, any other as JSON
+    /// Write the report to a file: as a page with pictures if it is named F.html, otherwise as JSON
     #[arg(long, value_name = "F")]
     report: Option<PathBuf>,
     /// Print nothing but errors
@@ -58,7 +58,7 @@ impl Run {
             None => Ok(self),
             Some(path) => {
                 let name = path.display();
-                Err(wrong(&format!("{name}: there is no page of {of}; let the name of the report end in .json")))
+                Err(wrong(&format!("{name}: there is no report page for {of}; choose a name that ends in .json")))
             }
         }
     }
@@ -67,13 +67,13 @@ impl Run {
 /// What working out of core may take.
 #[derive(Debug, clap::Args)]
 pub(super) struct MemoryArgs {
-    /// Memory to make do with, such as 400M or 2G [default: half of what is free]
+    /// Memory to use at most, such as 400M or 2G [default: half of the free memory]
     #[arg(long, value_name = "M", value_parser = bytes)]
     memory: Option<u64>,
-    /// Folder for temporary files, which are removed in any case [default: that of the system]
+    /// Folder for temporary files, which are always removed [default: the system's]
     #[arg(long, value_name = "DIR")]
     temp: Option<PathBuf>,
-    /// Keep what is finished of a cloud in --temp if the run is interrupted, and go on from there at the next one
+    /// Keep the finished parts of a cloud in --temp if the run is interrupted, and continue from them in the next run
     #[arg(long, requires = "temp")]
     resume: bool,
 }
@@ -105,12 +105,12 @@ pub enum Voice {
 /// How normals of a cloud are estimated.
 #[derive(Debug, clap::Args)]
 pub(super) struct NormalArgs {
-    /// What normals of a cloud without them are fitted to [default: plane, or sphere where noise is smoothed]
+    /// Shape fitted to estimate the normals of a cloud without normals [default: plane, or sphere where noise is smoothed]
     #[arg(long, value_name = "plane|sphere", value_parser = normal_fit)]
     normal_fit: Option<NormalFit>,
     #[arg(long, value_name = "K", conflicts_with = "normal_radius", help = neighbors_help())]
     normal_neighbors: Option<usize>,
-    /// How far away, in the units of the input, these neighbours may be instead
+    /// Radius within which neighbours are used instead, in the units of the input
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = positive)]
     normal_radius: Option<f64>,
 }
@@ -118,21 +118,21 @@ pub(super) struct NormalArgs {
 /// The help texts of options whose defaults are defined in the library.
 fn neighbors_help() -> String {
     format!(
-        "How many neighbours they are fitted to [default: {FEW_NEIGHBORS}, or {MANY_NEIGHBORS} where noise is smoothed]"
+        "Number of neighbours used for each normal [default: {FEW_NEIGHBORS}, or {MANY_NEIGHBORS} where noise is smoothed]"
     )
 }
 
 pub(super) fn smoothing_help() -> String {
     format!(
-        "Smooth noise away first, of clouds and of meshes: points reach as far as W mean distances of neighbouring ones, \
+        "Smooth noise away first, of clouds and of meshes, with a support radius of W mean distances between neighbours, \
          {SMOOTHING_SUPPORT} without W; 0 smooths nothing [default: {SMOOTHING_SUPPORT} for clouds with noise, else 0]"
     )
 }
 
 pub(super) fn support_help() -> String {
     format!(
-        "How far points of a cloud reach, in mean distances of neighbouring ones: the larger, the smoother; 0 takes \
-         {INTERPOLATING_SUPPORT}, as little as leaves no holes [default: {SMOOTHING_SUPPORT} where there is noise, else as 0]"
+        "Support radius of the points of a cloud, in mean distances between neighbours: the larger, the smoother; 0 stands for \
+         {INTERPOLATING_SUPPORT}, the least that leaves no holes [default: {SMOOTHING_SUPPORT} for clouds with noise, else 0]"
     )
 }
 
@@ -146,10 +146,10 @@ impl From<NormalArgs> for NormalSettings {
 /// What the files are said to be.
 #[derive(Debug, clap::Args)]
 pub(super) struct FormatArgs {
-    /// Format of the input [default: by its ending, else by its content]
+    /// Format of the input [default: by its extension, else by its content]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
-    /// Format of the output [default: by its ending]
+    /// Format of the output [default: by its extension]
     #[arg(long, value_name = "FORMAT")]
     output_format: Option<Format>,
 }

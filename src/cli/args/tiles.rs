@@ -10,19 +10,19 @@ use clap::Subcommand;
 use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
-Samples and meshes a cloud of points of any size on any number of machines that share a folder. Files are the interface:
-'plan' reads the cloud once and sorts it into the folder; then each tile can be sampled by any process on any machine, in
-any order and as often as one likes; 'merge' joins what they got. The result has the same bytes for any number of tiles,
-machines and threads, and those of 'remesh sample --out-of-core'.
+Samples and meshes a point cloud of any size on any number of machines that share a folder. Files are the interface:
+'plan' reads the cloud once and sorts it into the folder; then any process on any machine can sample any tile, in any order
+and any number of times; 'merge' joins the results. The result has the same bytes for any number of tiles, machines and
+threads, and the same as that of 'remesh sample --out-of-core'.
 
   remesh tiles plan scan.ply work --points 300000 --tiles 16
   remesh tiles sample work 0        (and so on, one for each tile, anywhere)
   remesh tiles merge work points.ply
 
-The mesh is made in pieces, in five rounds: those of a round can be made anywhere, too, once the ones before are done.
-'plan' prints the first and the last number of each round.
+The mesh is made in pieces, in five rounds: the pieces of a round can also be made anywhere, once the rounds before it are
+done. 'plan' prints the numbers of the first and the last piece of each round.
 
-  remesh tiles mesh work            (all that are missing; or the numbers of some)
+  remesh tiles mesh work            (all missing pieces; or give the numbers of some)
   remesh tiles merge work mesh.ply --mesh
 
 Exit status: 0 done, 1 a file cannot be read or written, or cannot be sampled, 2 wrong usage, 3 the mesh is written, but
@@ -30,23 +30,23 @@ not sound, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum TilesArgs {
-    /// Read a cloud once, sort its points by place, and cut it into tiles; the first word printed is their number
+    /// Read a cloud once, sort its points by position, and cut it into tiles; the first word printed is the number of tiles
     Plan(PlanArgs),
     /// Sample tiles
     Sample {
         /// The folder of the plan
         folder: PathBuf,
-        /// Their numbers, from 0; without any, all that are not sampled yet
+        /// Numbers of the tiles, from 0 [default: all that are not sampled yet]
         #[arg(value_name = "I")]
         numbers: Vec<usize>,
         #[command(flatten)]
         run: RunArgs,
     },
-    /// Make pieces of the mesh of the samples
+    /// Make pieces of the mesh from the samples
     Mesh {
         /// The folder of the plan
         folder: PathBuf,
-        /// Their numbers, from 0; without any, all that are not made yet
+        /// Numbers of the pieces, from 0 [default: all that are not made yet]
         #[arg(value_name = "I")]
         numbers: Vec<usize>,
         #[command(flatten)]
@@ -69,21 +69,21 @@ pub(super) enum TilesArgs {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct PlanArgs {
-    /// The cloud of points to read: binary PLY, LAS, LAZ, E57 or text
+    /// The point cloud to read: binary PLY, LAS, LAZ, E57 or text
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// The folder for the plan and all that follows; it is made if it is not there
+    /// The folder for the plan and everything made from it; created if it does not exist
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     #[command(flatten)]
     even: EvenArgs,
-    /// At least so many tiles, if there can be as many
+    /// Minimum number of tiles, if that many are possible
     #[arg(long, value_name = "N", default_value_t = 1)]
     tiles: usize,
-    /// Memory that sampling a tile may take, such as 400M or 2G [default: half of what is free here]
+    /// Memory that sampling a tile may take, such as 400M or 2G [default: half of the free memory here]
     #[arg(long, value_name = "M", value_parser = bytes)]
     memory: Option<u64>,
-    /// Format of the input [default: by its ending, else by its content]
+    /// Format of the input [default: by its extension, else by its content]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     #[command(flatten)]

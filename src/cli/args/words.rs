@@ -62,7 +62,7 @@ impl From<String> for Sizing {
 
 /// The error if no density was given.
 pub(super) fn no_density() -> Stop {
-    wrong("how dense? give one of --points N, --edge-length L and --sigma-p S")
+    wrong("no density is given; give one of --points N, --edge-length L and --sigma-p S")
 }
 
 /// Parses a number of samples; the library decides what is too few or too many for a surface.

@@ -72,7 +72,7 @@ mod tests {
         let read = parse(&file()).unwrap();
         let places = [1.0, 3.0, 11.0, 13.0].map(|x| DVec3::new(x, 0.5, 0.25));
         assert_eq!(read.mesh.positions, places);
-        assert_eq!(read.notes, ["2 directions in which nothing was seen are left out"]);
+        assert_eq!(read.notes, ["2 scan directions without a return are left out"]);
         let color = read.attributes.color().unwrap();
         assert!((color.of(3)[0] - 1.0).abs() < 1e-6 && (color.of(3)[2] - 0.2).abs() < 1e-6);
         assert_eq!(read.attributes.get("intensity").unwrap().values, [0.5; 4]);

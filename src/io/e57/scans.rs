@@ -86,7 +86,7 @@ fn open<R: io::Read + Seek>(source: R, length: u64) -> std::result::Result<(E57R
     let file = E57Reader::new(source).map_err(|e| e.to_string())?;
     let promised = file.pointclouds().iter().fold(0u64, |sum, scan| sum.saturating_add(scan.records));
     if promised / MOST_PER_BYTE > length {
-        return Err(format!("it promises {promised} points, more than so few bytes can hold"));
+        return Err(format!("it declares {promised} points, more than a file of this size can hold"));
     }
     Ok((file, promised))
 }
@@ -172,7 +172,7 @@ impl Cloud {
         let attributes = Attributes { vertex: known.map(attribute).collect(), ..Attributes::default() };
         let mesh = Mesh { positions: self.positions, triangles: Vec::new() };
         let mut notes = Vec::new();
-        let what = ["direction in which nothing was seen", "directions in which nothing was seen"];
+        let what = ["scan direction without a return", "scan directions without a return"];
         left_out(&mut notes, nowhere, what[0], what[1]);
         Read { mesh, attributes, notes }
     }

@@ -24,7 +24,7 @@ pub(super) struct Chunks<'a> {
 pub(super) fn split(bytes: &[u8]) -> Result<Chunks<'_>> {
     let version = u32_at(bytes, 4).ok_or_else(|| ends(bytes))?;
     if version != 2 {
-        let cause = format!("GLB version {version}, only 2 is read");
+        let cause = format!("GLB version {version} is not supported, only 2 is");
         return Err(malformed(Place::Byte(4), cause, "export it as glTF 2.0"));
     }
     let length = u32_at(bytes, 8).ok_or_else(|| ends(bytes))? as usize;
@@ -47,13 +47,13 @@ fn ends(bytes: &[u8]) -> Error {
 /// Returns the content of the chunk at `at`, which must be of type `kind` if one is given, and the start of the next chunk.
 fn chunk(file: &[u8], at: usize, kind: Option<u32>) -> Result<(&[u8], usize)> {
     let header = u32_at(file, at).zip(u32_at(file, at + 4));
-    let (length, found) = header.ok_or_else(|| malformed(Place::Byte(at), "a chunk without a header", CUT_SHORT))?;
+    let (length, found) = header.ok_or_else(|| malformed(Place::Byte(at), "a chunk has no header", CUT_SHORT))?;
     if kind.is_some_and(|kind| kind != found) {
         return Err(malformed(Place::Byte(at), "the first chunk is not JSON", EXPORT_AGAIN));
     }
     let rest = &file[at + CHUNK..];
     let content = rest.get(..length as usize).ok_or_else(|| {
-        let cause = format!("a chunk of {length} bytes, where {} are left", rest.len());
+        let cause = format!("a chunk has {length} bytes, but only {} are left", rest.len());
         malformed(Place::Byte(at), cause, CUT_SHORT)
     })?;
     Ok((content, at + CHUNK + content.len()))
@@ -67,7 +67,7 @@ pub(super) fn join(mut json: Vec<u8>, bin: &[u8], out: &mut dyn Write) -> io::Re
     json.resize(json.len().next_multiple_of(4), b' ');
     let bin_chunk = if bin.is_empty() { 0 } else { CHUNK + bin.len() };
     let size =
-        |length: usize| u32::try_from(length).map_err(|_| io::Error::other("more than 4 GB are too much for GLB"));
+        |length: usize| u32::try_from(length).map_err(|_| io::Error::other("a GLB file cannot be larger than 4 GB"));
     out.write_all(MAGIC)?;
     out.write_all(&2u32.to_le_bytes())?;
     out.write_all(&size(HEADER + CHUNK + json.len() + bin_chunk)?.to_le_bytes())?;

@@ -87,7 +87,7 @@ impl Reader<'_, '_> {
         let value = &self.lists.materials[index];
         let fail = |cause: String| wrong("material", index, cause);
         if !value.is_object() {
-            return Err(fail("is no object".into()));
+            return Err(fail("is not an object".into()));
         }
         let pbr = &value["pbrMetallicRoughness"];
         let alpha = match value["alphaMode"].as_str() {
@@ -132,7 +132,7 @@ impl Reader<'_, '_> {
         let coordinates = extension["texCoord"].as_u64().or(info["texCoord"].as_u64()).unwrap_or(0);
         self.note_extensions(&info["extensions"], TRANSFORM, "textures");
         if coordinates != 0 {
-            self.notes.insert(format!("textures by TEXCOORD_{coordinates} are left out"));
+            self.notes.insert(format!("textures that use TEXCOORD_{coordinates} are left out"));
             return Ok(None);
         }
         let texture = &self.lists.textures[index];
@@ -187,7 +187,7 @@ impl Reader<'_, '_> {
             (None, Value::Null) => Err(fail("has no data")),
             (None, view) => {
                 let view = view.as_u64().and_then(|view| usize::try_from(view).ok());
-                let (bytes, _) = self.store.view(view.ok_or_else(|| fail("its buffer view is no number"))?)?;
+                let (bytes, _) = self.store.view(view.ok_or_else(|| fail("its buffer view is not a number"))?)?;
                 self.within(REPEATED.max(self.store.loaded()), index, bytes).map(Some)
             }
         }
@@ -197,7 +197,7 @@ impl Reader<'_, '_> {
     fn within(&mut self, most: usize, index: usize, bytes: &[u8]) -> Result<Vec<u8>> {
         self.bytes = self.bytes.saturating_add(bytes.len());
         if self.bytes > most {
-            let cause = "the images share their data, or are too many: together they are too large";
+            let cause = "the images are too large together: they share their data, or there are too many";
             return Err(malformed(Place::Part(format!("image {index}")), cause, "export every image once"));
         }
         Ok(bytes.to_vec())
@@ -214,11 +214,11 @@ impl Reader<'_, '_> {
 fn entry(index: &Value, list: &Value, kind: &str) -> std::result::Result<usize, String> {
     let count = list.as_array().map_or(0, Vec::len);
     let number = index.as_u64().and_then(|i| usize::try_from(i).ok());
-    number.filter(|&i| i < count).ok_or_else(|| format!("uses {kind} {index}, of only {count}"))
+    number.filter(|&i| i < count).ok_or_else(|| format!("uses {kind} {index}, but there are only {count}"))
 }
 
 fn number(value: &Value, default: f64) -> std::result::Result<f64, String> {
-    if value.is_null() { Ok(default) } else { value.as_f64().ok_or_else(|| format!("{value} is no number")) }
+    if value.is_null() { Ok(default) } else { value.as_f64().ok_or_else(|| format!("{value} is not a number")) }
 }
 
 fn numbers<const N: usize>(value: &Value, default: [f64; N]) -> std::result::Result<[f64; N], String> {

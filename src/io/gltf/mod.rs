@@ -79,11 +79,11 @@ fn read(json: &[u8], bin: Option<&[u8]>, resolve: Resolve, place: impl Fn(usize)
 fn document(json: &[u8], place: impl Fn(usize) -> Place) -> Result<(Root, Lists)> {
     let mut value: Value = serde_json::from_slice(without_mark(json)).map_err(|e| {
         let cause = format!("neither GLB nor JSON: {e}");
-        malformed(place(e.line()), cause, "check that this is a glTF file and complete")
+        malformed(place(e.line()), cause, "check that this is a complete glTF file")
     })?;
     let version = value["asset"]["version"].as_str().unwrap_or("none");
     if !version.starts_with("2.") {
-        let cause = format!("glTF version {version}, only 2.0 is read");
+        let cause = format!("glTF version {version} is not supported, only 2.0 is");
         return Err(malformed(Place::Part("asset".into()), cause, "export it as glTF 2.0"));
     }
     let mut take = |key: &str| value.as_object_mut().and_then(|object| object.remove(key)).unwrap_or_default();

@@ -33,7 +33,7 @@ pub(super) fn collect(root: &Root, store: &Store, looks: &Lists) -> Result<Read>
     };
     scene.instances(&instances)?;
     if scene.mesh.positions.is_empty() && scene.left_out.lines > 0 {
-        return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
+        return Err(malformed(Place::Whole, "it has lines but no faces", NO_LINES));
     }
     let mut notes = scene.left_out.notes();
     if scenes > 1 {
@@ -76,7 +76,7 @@ struct LeftOut {
 impl LeftOut {
     fn notes(&self) -> Vec<String> {
         let texts = [
-            (self.lines, "primitives of lines are left out"),
+            (self.lines, "line primitives are left out"),
             (self.without_positions, "primitives without positions are left out"),
             (self.morphed, "primitives are read without their morph targets"),
             (self.skinned, "nodes are read without their skins"),
@@ -112,7 +112,7 @@ impl Collector<'_, '_> {
         let mut bases = BTreeMap::new();
         for primitive in &mesh.primitives {
             let Checked::Valid(mode) = primitive.mode else {
-                return Err(wrong("mesh", index, "a primitive of unknown mode"));
+                return Err(wrong("mesh", index, "a primitive has an unknown mode"));
             };
             if matches!(mode, Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
                 self.left_out.lines += 1;
@@ -135,7 +135,7 @@ impl Collector<'_, '_> {
             None => Ok(NONE),
             Some(number) if number < self.materials => Ok(number as u32),
             Some(number) => {
-                let cause = format!("a primitive has material {number}, of only {}", self.materials);
+                let cause = format!("a primitive uses material {number}, but there are only {}", self.materials);
                 Err(wrong("mesh", mesh, cause))
             }
         }
@@ -200,7 +200,7 @@ impl Collector<'_, '_> {
 }
 
 fn too_large() -> crate::base::error::Error {
-    let cause = "the scene repeats its meshes to too many vertices";
+    let cause = "the scene repeats its meshes too often: it has too many vertices";
     malformed(Place::Whole, cause, "export fewer copies of the repeated meshes")
 }
 
@@ -231,7 +231,7 @@ fn scene_instances(root: &Root, index: usize) -> Result<Vec<Instance<'_>>> {
     while let Some((index, outer)) = open.pop() {
         let node = root.nodes.get(index).ok_or_else(|| wrong("node", index, "does not exist"))?;
         if std::mem::replace(&mut met[index], true) {
-            return Err(wrong("node", index, "belongs to more than one parent"));
+            return Err(wrong("node", index, "has more than one parent"));
         }
         let transform = outer * local_transform(node);
         if !transform.is_finite() {

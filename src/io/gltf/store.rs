@@ -22,7 +22,7 @@ const FEW: u64 = 1 << 16;
 pub(super) const COMPRESSIONS: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 pub(super) const DECOMPRESS: &str =
-    "decompress it by `gltf-transform copy IN OUT.glb`, or export it without compression";
+    "decompress it with `gltf-transform copy IN OUT.glb`, or export it without compression";
 
 /// The data of a file. Buffers are fetched when they are first needed, so that those used only by textures may never be.
 pub(super) struct Store<'a> {
@@ -66,7 +66,7 @@ impl<'a> Store<'a> {
             _ => None,
         };
         let Some((size, read)) = read else {
-            return Err(wrong("accessor", index, "positions are three floats, bytes or shorts each, these are not"));
+            return Err(wrong("accessor", index, "these are not positions of three floats, bytes or shorts each"));
         };
         let position = |b: &[u8]| DVec3::new(read(b, 0), read(b, size), read(b, 2 * size));
         let positions = self.decode(index, accessor, 3 * size, position)?;
@@ -90,7 +90,7 @@ impl<'a> Store<'a> {
         let normalized = accessor.normalized && !raw;
         let kind = component(accessor).and_then(|c| Some((scalar(c, normalized)?, reader(c, normalized)?)));
         let Some((components, (scalar, (size, read)))) = components.zip(kind) else {
-            return Err(wrong("accessor", index, "values are up to four floats, bytes or shorts each, these are not"));
+            return Err(wrong("accessor", index, "these are not values of up to four floats, bytes or shorts each"));
         };
         let row = |b: &[u8]| [0, 1, 2, 3].map(|k| if k < components { read(b, k * size) } else { 0.0 });
         let rows = self.decode(index, accessor, components * size, row)?;
@@ -103,12 +103,12 @@ impl<'a> Store<'a> {
         let accessor = self.accessor(index)?;
         let read = component(accessor).filter(|_| shape(accessor) == Some(Type::Scalar)).and_then(index_reader);
         let Some((size, read)) = read else {
-            return Err(wrong("accessor", index, "indices are unsigned integers, these are not"));
+            return Err(wrong("accessor", index, "the indices are not unsigned integers"));
         };
         let indices = self.decode(index, accessor, size, read)?;
         match indices.iter().position(|&v| v as usize >= vertices) {
             Some(i) => {
-                let cause = format!("index {i} is vertex {}, of only {vertices}", indices[i]);
+                let cause = format!("index {i} refers to vertex {}, but there are only {vertices}", indices[i]);
                 Err(wrong("accessor", index, cause))
             }
             None => Ok(indices),
@@ -145,7 +145,7 @@ impl<'a> Store<'a> {
     fn without_data(&self, index: usize) -> Error {
         match self.root.extensions_used.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
             Some(name) => {
-                let cause = format!("its data are compressed by {name}, which is not supported");
+                let cause = format!("its data are compressed with {name}, which is not supported");
                 malformed(Place::Part(format!("accessor {index}")), cause, DECOMPRESS)
             }
             None => wrong("accessor", index, "has no data"),
@@ -172,7 +172,7 @@ impl<'a> Store<'a> {
         let rows = self.rows(with.buffer_view.value(), with.byte_offset.0, sparse.count.0, size, fail)?;
         let count = values.len();
         for (place, row) in places.map(read_index).zip(rows) {
-            let cause = || fail(format!("a sparse value for element {place}, of only {count}"));
+            let cause = || fail(format!("a sparse value is for element {place}, but there are only {count}"));
             *values.get_mut(place as usize).ok_or_else(cause)? = read(row);
         }
         Ok(())
@@ -190,7 +190,7 @@ impl<'a> Store<'a> {
         let (bytes, stride) = self.view(view)?;
         let stride = stride.filter(|&s| s > 0).unwrap_or(size);
         if stride < size {
-            return Err(fail(format!("elements of {size} bytes every {stride} bytes")));
+            return Err(fail(format!("elements of {size} bytes overlap at a stride of {stride} bytes")));
         }
         let needed = if count == 0 { 0 } else { (u128::from(count) - 1) * stride as u128 + size as u128 };
         let bytes = usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..));
@@ -227,7 +227,7 @@ impl<'a> Store<'a> {
         };
         let wanted = buffer.byte_length.0;
         usize::try_from(wanted).ok().and_then(|length| bytes.get(..length)).ok_or_else(|| {
-            let cause = format!("{wanted} bytes are promised, {} are there", bytes.len());
+            let cause = format!("{wanted} bytes are declared, but only {} are there", bytes.len());
             malformed(Place::Part(format!("buffer {index}")), cause, CUT_SHORT)
         })
     }
@@ -248,7 +248,7 @@ impl<'a> Store<'a> {
     pub fn file(&self, uri: &str) -> std::result::Result<Cow<'a, [u8]>, String> {
         if let Some(data) = uri.strip_prefix("data:") {
             let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
-            let bytes = text.and_then(base64::decode).ok_or("the data in its address is not base64")?;
+            let bytes = text.and_then(base64::decode).ok_or("the data in its URI are not base64")?;
             return Ok(Cow::Owned(bytes));
         }
         (self.resolve)(uri).map(Cow::Owned)

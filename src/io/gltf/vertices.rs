@@ -114,9 +114,9 @@ impl Columns {
                 column.values.resize(count * column.components, f64::NAN);
             }
             if column.values.len() != count * column.components {
-                self.leave_out(&column.name, "not all primitives have it in the same type");
+                self.leave_out(&column.name, "not all primitives have it with the same type");
             } else if is_texture && (column.components != 2 || triangles.is_empty()) {
-                self.leave_out(TEXTURE, "it is for triangles, and two numbers each");
+                self.leave_out(TEXTURE, "it needs triangles, and two numbers for each vertex");
             } else if is_texture {
                 let at = |v: u32| DVec2::from_slice(column.of(v as usize));
                 attributes.texture = triangles.iter().map(|t| t.map(at)).collect();

@@ -76,7 +76,7 @@ impl Blocks for Lines {
                     while let Some(corner) = words.here() {
                         let (number, _) = vertex_number(corner, known).map_err(|cause| words.mistake(cause))?;
                         if number > places.len() {
-                            let cause = format!("a face uses vertex {number}, but the file has {}", places.len());
+                            let cause = format!("a face uses vertex {number}, but the file has only {}", places.len());
                             return Err(words.mistake(cause));
                         }
                         corners.push(number as u32 - 1);

@@ -133,14 +133,11 @@ impl LargeMesh {
         read.mesh.triangles = left.mesh.triangles;
         let mut loaded = checked(read, self.format).map_err(|error| error.in_file(&self.name))?;
         let (before, after) = (counted(extent.triangles, "triangle", "triangles"), loaded.mesh.triangles.len());
-        let lost = if self.blocks.keeps_attributes() {
-            ""
-        } else {
-            "; attributes of corners and faces are left out, if there are any"
-        };
+        let lost =
+            if self.blocks.keeps_attributes() { "" } else { "; any attributes of corners and faces are left out" };
         loaded.notes.push(format!(
-            "{before} became {after} while they were read; the vertices that were removed are within about {strayed:.2e} of \
-             these, which the report takes for the input{lost}"
+            "{before} were coarsened to {after} while they were read; the vertices removed are within about {strayed:.2e} of \
+             these, which the report treats as the input{lost}"
         ));
         Ok(Some(loaded))
     }

@@ -56,11 +56,14 @@ pub(super) fn header(bytes: &[u8]) -> Result<Header> {
     let vector = |at: usize| DVec3::new(number(at), number(at + 8), number(at + 16));
     let layout = (bytes[104] & 0x3F) as usize;
     let Some(&(least, _)) = LAYOUTS.get(layout) else {
-        return Err(wrong(104, format!("points of format {layout}, only 0 to 10 are known")));
+        return Err(wrong(104, format!("point format {layout} is not known, only 0 to 10 are")));
     };
     let length = short(105);
     if length < least {
-        return Err(wrong(105, format!("points of {length} bytes, those of format {layout} take {least}")));
+        return Err(wrong(
+            105,
+            format!("points have {length} bytes, but point format {layout} takes at least {least}"),
+        ));
     }
     let (scale, offset) = (vector(131), vector(155));
     if !(scale.is_finite() && offset.is_finite()) {

@@ -60,7 +60,7 @@ fn position(row: &[u8]) -> DVec3 {
 
 /// Returns the error that the file ends before its points do.
 fn ends_early(count: usize, found: usize, end: usize) -> Error {
-    let cause = format!("the header says {count} points, but the file ends after {found}");
+    let cause = format!("the header declares {count} points, but the file ends after {found}");
     malformed(Place::Byte(end), cause, CUT_SHORT)
 }
 
@@ -258,7 +258,7 @@ mod tests {
         }
         let mut bytes = good.clone();
         bytes[107..111].copy_from_slice(&[255; 4]);
-        assert!(parse(&bytes).unwrap_err().to_string().contains("more than so few bytes can hold"));
+        assert!(parse(&bytes).unwrap_err().to_string().contains("more than a file of this size can hold"));
     }
 
     #[cfg(feature = "laz")]
@@ -280,7 +280,7 @@ mod tests {
             let first_layer = start + 8 + 30 + 4;
             let mut bytes = good.clone();
             bytes[first_layer..first_layer + 4].fill(0xFF);
-            assert!(parse(&bytes).unwrap_err().to_string().contains("a chunk of them is longer than the file"));
+            assert!(parse(&bytes).unwrap_err().to_string().contains("a chunk of points is longer than the file"));
             // More points than the chunks hold: the bytes after the chunks must not be taken for one.
             let mut bytes = good;
             bytes[107..111].copy_from_slice(&(COUNT as u32 + 200).to_le_bytes());

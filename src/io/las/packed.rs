@@ -42,10 +42,17 @@ pub(super) fn unpack<R: Read + Seek + Send + Sync>(
     let end = source.seek(SeekFrom::End(0)).map_err(|e| damaged(e.to_string()))?;
     let mut bytes = Bytes { source, place: end, end };
     if header.count as u64 / MOST_PER_BYTE > end || !bytes.has_sound_chunks(header.start as u64) {
-        return Err(damaged(format!("the header says {} points, more than so few bytes can hold", header.count)));
+        return Err(damaged(format!(
+            "the header declares {} points, more than a file of this size can hold",
+            header.count
+        )));
     }
     let Some(record) = bytes.record_of_laszip() else {
-        return Err(malformed(Place::Byte(HEADERS[0]), "nothing says how the points are compressed", EXPORT_AGAIN));
+        return Err(malformed(
+            Place::Byte(HEADERS[0]),
+            "the record that describes the compression is missing",
+            EXPORT_AGAIN,
+        ));
     };
     let mut refused = Ok(());
     let mut shown = |row: &[u8]| {
@@ -93,7 +100,7 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
         let end_of_chunks = self.table_of_chunks(start).filter(|end| (start..self.end).contains(end));
         let end_of_chunks = end_of_chunks.unwrap_or(self.end);
         if layers > 0 && !self.has_sound_layers(end_of_chunks, header, layers) {
-            return Err("a chunk of them is longer than the file".into());
+            return Err("a chunk of points is longer than the file".into());
         }
         self.seek(SeekFrom::Start(start)).map_err(|e| e.to_string())?;
         let mut points = LasZipDecompressor::new(self, record).map_err(|e| e.to_string())?;

@@ -252,7 +252,7 @@ impl<'a> Reader<'a> {
     fn check_indices(&self) -> Result<()> {
         let ((largest, line), count) = (self.largest, self.positions.len());
         if largest > count {
-            let cause = format!("a face uses vertex {largest}, but the file has {count}");
+            let cause = format!("a face uses vertex {largest}, but the file has only {count}");
             return Err(malformed(Place::Line(line), cause, CORRECT_LINE));
         }
         Ok(())
@@ -264,10 +264,10 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         if self.free_form > 0 {
-            return Err(malformed(Place::Whole, "it holds free-form curves or surfaces, no faces", NO_FREE_FORM));
+            return Err(malformed(Place::Whole, "it has free-form curves or surfaces, but no faces", NO_FREE_FORM));
         }
         if self.lines > 0 {
-            return Err(malformed(Place::Whole, "it holds lines, no faces", NO_LINES));
+            return Err(malformed(Place::Whole, "it has lines but no faces", NO_LINES));
         }
         Ok(())
     }
@@ -292,8 +292,9 @@ impl<'a> Reader<'a> {
         let (values, width) = columns.into_table();
         let colors = if width >= 3 { color(values, width) } else { None };
         if colors.is_none() && (ragged || width >= 3) {
-            notes
-                .push("the numbers behind the coordinates of vertices are left out: not colours of all of them".into());
+            notes.push(
+                "the numbers after the vertex coordinates are left out: they are not colours for all vertices".into(),
+            );
         }
         colors
     }
@@ -373,7 +374,7 @@ impl<'a> Reader<'a> {
         if let Some((line, keyword)) = self.first_unknown {
             let (count, keyword) = (self.unknown, quote(keyword));
             notes.push(format!(
-                "statements that OBJ does not have are left out: {count}, the first is {keyword} on line {line}"
+                "statements that are not part of OBJ are left out: {count}, the first is {keyword} on line {line}"
             ));
         }
         notes
@@ -394,7 +395,10 @@ pub(super) fn vertex_number(corner: &[u8], known: usize) -> std::result::Result<
         return Err("a face uses vertex 0, but OBJ counts from 1".into());
     }
     if back && number > known {
-        return Err(format!("a face uses vertex {} from the last, but only {known} precede it", quote(corner)));
+        return Err(format!(
+            "a face uses vertex {}, counted from the last, but only {known} precede it",
+            quote(corner)
+        ));
     }
     Ok((if back { known + 1 - number } else { number }, length))
 }

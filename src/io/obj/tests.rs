@@ -61,7 +61,7 @@ fn faces_may_come_first() {
 fn lines_by_themselves_are_no_cloud() {
     let read = |text: &str| parse(text.as_bytes()).map(|read| read.mesh.positions.len());
     let error = read("v 0 0 0\nv 1 0 0\nl 1 2\n").unwrap_err();
-    assert!(error.to_string().contains("it holds lines, no faces; export"), "{error}");
+    assert!(error.to_string().contains("it has lines but no faces; export"), "{error}");
     assert_eq!(read("v 0 0 0\nv 1 0 0\nl 1 2\np 1 2\n"), Ok(2));
 }
 
@@ -70,7 +70,7 @@ fn vertices_of_free_form_geometry_are_no_cloud() {
     let curve = "v 0 0 0\nv 1 0 0\nv 1 1 0\ncstype bspline\ndeg 1\ncurv 0 2 1 2 3\nparm u 0 1 2\nend\n";
     let read = |text: &str| parse(text.as_bytes()).map(|read| read.mesh.positions.len());
     let error = read(curve).unwrap_err();
-    assert!(error.to_string().contains("free-form curves or surfaces, no faces; mesh"), "{error}");
+    assert!(error.to_string().contains("free-form curves or surfaces, but no faces; mesh"), "{error}");
     assert_eq!(read(&format!("{curve}f 1 2 3\n")), Ok(3));
 }
 
@@ -83,7 +83,7 @@ fn what_is_left_out_is_said() {
             "2 faces with fewer than three corners are left out",
             "1 point or line element is left out",
             "free-form curves and surfaces are left out",
-            "statements that OBJ does not have are left out: 2, the first is 'foo' on line 13",
+            "statements that are not part of OBJ are left out: 2, the first is 'foo' on line 13",
         ]
     );
 }
@@ -103,7 +103,7 @@ fn errors_name_the_line() {
     fails_at("v 0 0 1e999", 1, "not finite");
     fails_at("v 0 0\nv 0 0 0", 1, "missing");
     fails_at("v 0 0 x7\n", 1, "'x7' is not a number");
-    fails_at(&format!("{SQUARE}f 1 2 5\n"), 5, "vertex 5, but the file has 4");
+    fails_at(&format!("{SQUARE}f 1 2 5\n"), 5, "vertex 5, but the file has only 4");
     fails_at(&format!("{SQUARE}f 1 2 99999999999\nf 1 2 3"), 5, "vertex 99999999999");
     fails_at(&format!("{SQUARE}f 1 2 0\n"), 5, "counts from 1");
     fails_at(&format!("{SQUARE}f 1 2 -5\n"), 5, "only 4 precede");
@@ -133,7 +133,7 @@ fn numbers_behind_all_coordinates_are_colours() {
     assert_eq!((bytes.color().unwrap().components, bytes.color().unwrap().color(0)), (4, [1.0, 0.0, 7.0 / 255.0]));
     for none in ["v 0 0 0 1 0 0\nv 1 0 0\n", "v 0 0 0\nv 1 0 0 1 0 0\n", "v 0 0 0 -1 0 0\n", "v 0 0 0 nan 0 0\n"] {
         assert!(attributes(none).is_empty());
-        assert!(notes(none)[0].starts_with("the numbers behind the coordinates"), "{none}");
+        assert!(notes(none)[0].starts_with("the numbers after the vertex coordinates"), "{none}");
     }
     // A fourth number alone is a weight.
     assert!(attributes("v 0 0 0 1\nv 1 0 0 1\n").is_empty() && notes("v 0 0 0 1\nv 1 0 0 1\n").is_empty());
@@ -262,5 +262,5 @@ fn tetrahedra_as_polygons_are_read_as_their_outside() {
     }
     let read = parse(text.as_bytes()).unwrap();
     assert!(read.mesh.triangles.iter().flatten().all(|&v| v > 0), "no triangle has the middle");
-    assert_eq!(read.notes, ["32 polygons are the tetrahedra of a volume: its outside is taken"]);
+    assert_eq!(read.notes, ["32 polygons are the tetrahedra of a volume: only its outer surface is used"]);
 }

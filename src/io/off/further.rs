@@ -48,7 +48,9 @@ impl Further {
         let mut attributes = Attributes::default();
         if self.is_nothing() || values.is_empty() || !as_announced {
             if !self.is_nothing() && !triangles.is_empty() {
-                notes.push("normals, colours and texture coordinates are left out: not as the keyword says".into());
+                notes.push(
+                    "normals, colours and texture coordinates are left out: they do not match the keyword".into(),
+                );
             }
             return attributes;
         }

@@ -52,7 +52,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let triangles = faces.triangles(&positions);
     small_faces(&mut notes, faces.dropped);
     if words.anywhere().is_some() {
-        notes.push(format!("what follows the last face, from line {} on, is left out", words.line()));
+        notes.push(format!("everything after the last face, from line {} on, is left out", words.line()));
     }
     let attributes = further.attributes(columns, &triangles, &mut notes);
     Ok(Read { mesh: Mesh { positions, triangles }, attributes, notes })
@@ -110,7 +110,7 @@ fn header(words: &mut Words) -> Result<Header> {
 
 fn check_dimensions(words: &Words, prefix: &[u8]) -> Result<()> {
     if prefix.contains(&b'4') || prefix.contains(&b'n') {
-        let cause = "OFF with other than three dimensions is not supported";
+        let cause = "only three-dimensional OFF is supported";
         return Err(words.error(cause, "export the file as plain OFF, or as PLY or OBJ"));
     }
     Ok(())
@@ -123,7 +123,7 @@ fn count(words: &Words, word: Option<&[u8]>, what: &str, bytes_each: usize) -> R
     };
     let left = words.remaining();
     if count > (left + 1) / bytes_each {
-        return Err(words.mistake(format!("the file promises {count} {what}, but only {left} bytes follow")));
+        return Err(words.mistake(format!("the file declares {count} {what}, but only {left} bytes follow")));
     }
     Ok(count)
 }

@@ -41,21 +41,21 @@ fn polygons_points_and_faces_without_area() {
         notes,
         [
             "2 faces with fewer than three corners are left out",
-            "what follows the last face, from line 9 on, is left out",
+            "everything after the last face, from line 9 on, is left out",
         ]
     );
 }
 
 #[test]
 fn errors_name_the_line() {
-    fails_at("4OFF\n3 1 0\n", 1, "dimensions");
-    fails_at("nOFF\n3\n3 1 0\n", 1, "dimensions");
-    fails_at("C4OFF\n3 1 0\n", 1, "dimensions");
+    fails_at("4OFF\n3 1 0\n", 1, "three-dimensional");
+    fails_at("nOFF\n3\n3 1 0\n", 1, "three-dimensional");
+    fails_at("C4OFF\n3 1 0\n", 1, "three-dimensional");
     fails_at("OFF\n", 1, "number of vertices is missing");
     fails_at("OFF\n0", 2, "number of faces is missing");
     fails_at("ply\n", 1, "'ply' is not a number of vertices");
-    fails_at("OFF\n999999999999 1 0\n0 0 0\n", 2, "promises 999999999999 vertices, but only");
-    fails_at("OFF\n1 888888888 0\n0 0 0\n", 2, "promises 888888888 faces");
+    fails_at("OFF\n999999999999 1 0\n0 0 0\n", 2, "declares 999999999999 vertices, but only");
+    fails_at("OFF\n1 888888888 0\n0 0 0\n", 2, "declares 888888888 faces");
     fails_at("OFF\n99999999999999999999999 1 0\n0 0 0\n", 2, "not a number of vertices");
     fails_at("OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", 4, "not finite");
     fails_at("OFF\n3 1 0\n0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n", 4, "'x' is not a number");
@@ -107,10 +107,10 @@ fn errors_name_the_byte() {
     }
     for (at, value, words) in [
         (11, -1, "is negative"),
-        (11, 99, "99 entries are promised"),
-        (15, 99, "99 entries are promised"),
+        (11, 99, "99 entries are declared"),
+        (15, 99, "99 entries are declared"),
         (75, 4, "uses vertex 4"),
-        (71, 1 << 30, "entries are promised"),
+        (71, 1 << 30, "entries are declared"),
         (23, f32::NAN.to_bits() as i32, "not finite"),
     ] {
         let mut bytes = good.clone();

@@ -86,7 +86,7 @@ fn header(bytes: &[u8]) -> Result<Header> {
         line += 1;
         let wrong = |cause: String| malformed(Place::Line(line), cause, EXPORT_AGAIN);
         if rest.is_empty() {
-            return Err(malformed(Place::Line(line), "the header has no line 'DATA'", CUT_SHORT));
+            return Err(malformed(Place::Line(line), "the header has no DATA line", CUT_SHORT));
         }
         at += (length + 1).min(rest.len());
         let text = String::from_utf8_lossy(&rest[..length]);
@@ -109,10 +109,13 @@ fn header(bytes: &[u8]) -> Result<Header> {
                     Some("ascii") => Encoding::Text,
                     Some("binary") => Encoding::Binary,
                     Some("binary_compressed") => Encoding::Compressed,
-                    other => return Err(wrong(format!("DATA is {}", quote(other.unwrap_or("").as_bytes())))),
+                    other => {
+                        return Err(wrong(format!("unknown DATA encoding {}", quote(other.unwrap_or("").as_bytes()))));
+                    }
                 };
                 let points = points.or_else(|| rows?.checked_mul(height));
-                let points = points.ok_or_else(|| wrong("neither POINTS nor WIDTH says how many there are".into()))?;
+                let points =
+                    points.ok_or_else(|| wrong("neither POINTS nor WIDTH gives the number of points".into()))?;
                 return Ok(Header { fields: fields(&lists).map_err(wrong)?, points, encoding, body: (at, line + 1) });
             }
             "VERSION" | "VIEWPOINT" => {}
@@ -130,10 +133,11 @@ fn fields([names, sizes, types, counts]: &[Vec<String>; 4]) -> std::result::Resu
     let mut column = 0usize;
     let field = |i: usize| {
         let kind = kind(&types[i], &sizes[i]);
-        let kind = kind.ok_or_else(|| format!("no number has TYPE {} and SIZE {}", types[i], sizes[i]))?;
+        let kind = kind.ok_or_else(|| format!("TYPE {} with SIZE {} is not supported", types[i], sizes[i]))?;
         let count = counts.get(i).map_or(Some(1), |count| whole(count.as_bytes()));
         let end = count.and_then(|count| column.checked_add(count)).filter(|&end| end <= u32::MAX as usize);
-        let end = end.ok_or_else(|| format!("the COUNT of field {} is no count", quote(names[i].as_bytes())))?;
+        let end =
+            end.ok_or_else(|| format!("the COUNT of field {} is not a valid count", quote(names[i].as_bytes())))?;
         let field = Field { name: names[i].clone(), kind, count: end - column, column };
         column = end;
         Ok(field)
@@ -172,7 +176,7 @@ impl Header {
         if self.points.checked_mul(least).is_some_and(|needed| needed <= left) {
             return Ok(());
         }
-        let cause = format!("the header promises {} points, but only {left} bytes follow", self.points);
+        let cause = format!("the header declares {} points, but only {left} bytes follow", self.points);
         Err(malformed(place, cause, CUT_SHORT))
     }
 }

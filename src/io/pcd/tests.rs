@@ -94,16 +94,16 @@ fn errors_have_a_place() {
     let changed = |from: &str, to: &str| text().replace(from, to).into_bytes();
     for (bytes, line, words) in [
         (changed("FIELDS x y z", "FIELDS x y q"), 11, "no field z"),
-        (changed("SIZE 4", "SIZE 3"), 11, "TYPE F and SIZE 3"),
+        (changed("SIZE 4", "SIZE 3"), 11, "TYPE F with SIZE 3"),
         (changed("COUNT 1 1", "COUNT 1"), 11, "differ in length"),
-        (changed("COUNT 1 1 1 1 1 2", "COUNT 1 1 1 1 1 99999999999"), 11, "is no count"),
+        (changed("COUNT 1 1 1 1 1 2", "COUNT 1 1 1 1 1 99999999999"), 11, "is not a valid count"),
         (changed("POINTS 2", "POINTS x"), 10, "not a whole number"),
-        (changed("POINTS 2", "POINTS 99999999"), 12, "promises 99999999 points"),
+        (changed("POINTS 2", "POINTS 99999999"), 12, "declares 99999999 points"),
         (changed("POINTS 2", "POINTS 3"), 13, "ends after 2 of 3 points"),
         (changed("DATA ascii", "DATA roman"), 11, "'roman'"),
         (changed("VERSION", "REVISION"), 2, "'REVISION' is not a line"),
         (changed("3 4 5", "3 x 5"), 13, "'x' is not a number"),
-        (b"VERSION 0.7\n".to_vec(), 2, "no line 'DATA'"),
+        (b"VERSION 0.7\n".to_vec(), 2, "no DATA line"),
     ] {
         samples::fails_at(parse(&bytes), line, words);
     }

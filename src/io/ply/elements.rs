@@ -19,7 +19,7 @@ pub(super) fn checked_count<S: Source>(source: &S, element: &Element) -> Result<
     let most = source.remaining() / row;
     if element.count > most as u64 {
         let Element { name, count, .. } = element;
-        let cause = format!("the header says {count} elements '{name}', but there are bytes for at most {most}");
+        let cause = format!("the header declares {count} elements '{name}', but there are bytes for at most {most}");
         return Err(malformed(source.end(), cause, CUT_SHORT));
     }
     if element.count > u64::from(u32::MAX) {
@@ -43,7 +43,7 @@ pub(super) fn whole_length(length: f64, most: usize) -> std::result::Result<usiz
     if whole as f64 == length && whole <= most {
         return Ok(whole);
     }
-    Err(format!("a list of {length} values, where there are bytes for at most {most}"))
+    Err(format!("a list has {length} values, but there are bytes for at most {most}"))
 }
 
 #[inline]

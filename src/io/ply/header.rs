@@ -93,8 +93,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header> {
                 elements.push(Element { name: name.into(), count, properties: Vec::new(), line: lines.number });
             }
             ["property", ref words @ ..] => {
-                let property = property(words).ok_or_else(|| wrong("unknown type of property"))?;
-                let element = elements.last_mut().ok_or_else(|| wrong("a property before any element"))?;
+                let property = property(words).ok_or_else(|| wrong("unknown property type"))?;
+                let element = elements.last_mut().ok_or_else(|| wrong("a property comes before any element"))?;
                 element.properties.push(property);
             }
             ["end_header"] => {

@@ -88,7 +88,7 @@ fn read<S: Source>(mut source: S, header: &Header) -> Parsed {
     }
     small_faces(&mut notes, faces.small);
     if source.has_more() {
-        notes.push("what comes after the last element is left out".into());
+        notes.push("everything after the last element is left out".into());
     }
     Ok(joined(vertices, faces, notes))
 }

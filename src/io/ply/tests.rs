@@ -84,7 +84,7 @@ fn big_endian_with_other_properties_in_any_order() {
     assert_eq!(
         notes,
         [
-            "the lists 'extra' of vertices are left out",
+            "the list property 'extra' of vertices is left out",
             "1 elements 'camera' are left out",
             "properties of faces are left out: 'flags'",
         ]
@@ -174,7 +174,7 @@ fn vertices_alone_are_a_cloud() {
 #[test]
 fn what_follows_is_noted() {
     let (_, notes) = parse(format!("{TEXT} \n 1").as_bytes()).unwrap();
-    assert_eq!(notes, ["what comes after the last element is left out"]);
+    assert_eq!(notes, ["everything after the last element is left out"]);
     let mut bytes = written();
     bytes.push(b'\n');
     assert_eq!(parse(&bytes).unwrap().1.len(), 0);

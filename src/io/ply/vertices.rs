@@ -53,7 +53,7 @@ impl Vertices {
     ) -> Result<Vertices> {
         let (roles, attributes) = roles(element, with_faces)?;
         let lists = element.properties.iter().zip(&roles).filter(|(_, role)| matches!(role, Role::LeftOut));
-        notes.extend(lists.map(|(list, _)| format!("the lists '{}' of vertices are left out", list.name)));
+        notes.extend(lists.map(|(list, _)| format!("the list property '{}' of vertices is left out", list.name)));
         let plan: Vec<(Kind, Role)> = element.properties.iter().zip(roles).map(|(p, role)| (p.kind, role)).collect();
         let count = checked_count(source, element)?;
         let with_texture = plan.iter().any(|(_, role)| matches!(role, Role::Texture(_)));
@@ -101,7 +101,8 @@ fn roles(element: &Element, with_faces: bool) -> Result<(Vec<Role>, Vec<Attribut
     let find = |name: &str| element.properties.iter().position(|p| p.name == name && scalar(p).is_some());
     let mut take = |i: usize, role: Role| (roles[i], taken[i]) = (role, true);
     for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let i = find(name).ok_or_else(|| element.error(format!("a vertex has no property '{name}'"), EXPORT_AGAIN))?;
+        let i =
+            find(name).ok_or_else(|| element.error(format!("the vertices have no property '{name}'"), EXPORT_AGAIN))?;
         take(i, Role::Position(k));
     }
     if let Some([s, t]) = TEXTURE.iter().find_map(|[s, t]| Some([find(s)?, find(t)?])).filter(|_| with_faces) {

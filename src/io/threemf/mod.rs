@@ -82,8 +82,8 @@ struct Archive<'a> {
 impl<'a> Archive<'a> {
     fn new(bytes: &'a [u8]) -> Result<Archive<'a>> {
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
-            let cause = format!("it is no archive, as a 3MF file is: {error}").replace(['\n', '\r'], " ");
-            malformed(Place::Whole, cause, "check that this is a 3MF file and complete")
+            let cause = format!("it is not a ZIP archive, as a 3MF file must be: {error}").replace(['\n', '\r'], " ");
+            malformed(Place::Whole, cause, "check that this is a complete 3MF file")
         })?;
         Ok(Archive { zip, budget: most_unpacked(bytes.len()) })
     }
@@ -96,8 +96,8 @@ impl<'a> Archive<'a> {
         let read = file.take(self.budget as u64 + 1).read_to_end(&mut bytes);
         read.map_err(|e| wrong(format!("it cannot be unpacked: {e}")))?;
         let left = self.budget.checked_sub(bytes.len());
-        self.budget = left.ok_or_else(|| unpacks_to_too_much("save it anew with a slicer"))?;
-        String::from_utf8(bytes).map_err(|_| wrong("it is no text in UTF-8".into()))
+        self.budget = left.ok_or_else(|| unpacks_to_too_much("save it again with a slicer"))?;
+        String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".into()))
     }
 
     fn model_name(&mut self) -> Result<String> {
@@ -167,7 +167,7 @@ impl Builder<'_> {
             return Err(malformed(Place::Whole, "it repeats its objects too often", "build fewer copies"));
         }
         if depth == DEPTH {
-            return Err(wrong("it is put together from itself, or from too many others in each other"));
+            return Err(wrong("it contains itself, or too many levels of nested objects"));
         }
         self.add_mesh(object, transform).ok_or_else(|| wrong("a position is not finite after its transform"))?;
         object.components.iter().try_for_each(|component| self.add(model, component, transform, depth + 1))

@@ -110,7 +110,7 @@ impl Parser {
             ("color", _) => {
                 if let Some((_, colors)) = &mut self.group {
                     let text = attribute(tag, "color").unwrap_or_default();
-                    let wrong = || malformed(at(), format!("{} is no colour", quote(text.as_bytes())), EXPORT_AGAIN);
+                    let wrong = || malformed(at(), format!("{} is not a colour", quote(text.as_bytes())), EXPORT_AGAIN);
                     colors.push(color(&text).ok_or_else(wrong)?);
                 }
             }
@@ -124,8 +124,7 @@ impl Parser {
         if let ("object", Some((id, object))) = (name, &mut self.object) {
             let count = object.positions.len();
             if let Some(t) = object.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count)) {
-                let cause =
-                    format!("triangle {t} of object {id} uses a vertex that is not below their number, {count}");
+                let cause = format!("triangle {t} of object {id} uses a vertex that does not exist: there are {count}");
                 return Err(malformed(at(), cause, EXPORT_AGAIN));
             }
             object.colors.truncate(count);
@@ -167,7 +166,7 @@ fn reference(tag: &BytesStart, at: At) -> Result<Reference> {
     let path = attribute(tag, "path").map(|path| path.trim_start_matches('/').to_string());
     let transform = match attribute(tag, "transform") {
         Some(text) => transform(&text).ok_or_else(|| {
-            malformed(at(), format!("{} is no transform: twelve numbers", quote(text.as_bytes())), EXPORT_AGAIN)
+            malformed(at(), format!("{} is not a transform of twelve numbers", quote(text.as_bytes())), EXPORT_AGAIN)
         })?,
         None => DMat4::IDENTITY,
     };

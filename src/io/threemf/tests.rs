@@ -73,7 +73,7 @@ fn colours_of_triangles_are_those_of_vertices() {
 fn errors_name_the_part() {
     let object = |mesh: &str| simple(&format!("<object id='1'>{mesh}</object>"), "<item objectid='1'/>");
     for (bytes, words) in [
-        (b"PK\x03\x04 and no more .model".to_vec(), "it is no archive"),
+        (b"PK\x03\x04 and no more .model".to_vec(), "it is not a ZIP archive"),
         (archive(&[("a", "b")]), "3dmodel.model: it cannot be read"),
         (object(&MESH.replace("v3='2'", "v3='3'")), "triangle 0 of object 1"),
         (object(&MESH.replace("v3='2'", "")), "'triangle' has no v3"),
@@ -87,7 +87,7 @@ fn errors_name_the_part() {
                 "<object id='1'><components><component objectid='1'/></components></object>",
                 "<item objectid='1'/>",
             ),
-            "from itself",
+            "contains itself",
         ),
         (archive(&[(MODEL, "<model><resources>")]), "ends early"),
     ] {

@@ -26,7 +26,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     match source.upper_word().as_deref() {
         Some("ASCII") => {}
         Some("BINARY") => source.binary = Some(Order::Big),
-        other => return Err(source.wrong(format!("{}, neither ASCII nor BINARY", shown(other)))),
+        other => return Err(source.wrong(format!("the encoding is {}, neither ASCII nor BINARY", shown(other)))),
     }
     let mut reader = Reader { source, surface: Surface::default(), of_points: None, cells: None };
     while let Some(keyword) = reader.source.upper_word() {
@@ -36,7 +36,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Parsed {
                 .surface
                 .grid
                 .notes
-                .push(format!("what follows from {}{place} on is left out", quote(keyword.as_bytes())));
+                .push(format!("everything from {}{place} on is left out", quote(keyword.as_bytes())));
             break;
         }
     }
@@ -63,7 +63,7 @@ impl Reader<'_> {
             "DATASET" => {
                 let kind = self.source.upper_word();
                 if !matches!(kind.as_deref(), Some("POLYDATA" | "UNSTRUCTURED_GRID")) {
-                    let cause = format!("a DATASET of the kind {}, which has no faces", shown(kind.as_deref()));
+                    let cause = format!("it is a DATASET of type {}, which has no faces", shown(kind.as_deref()));
                     return Err(malformed(self.source.place(), cause, EXTRACT));
                 }
             }
@@ -102,7 +102,7 @@ impl Reader<'_> {
             let kind = self.number_type()?;
             let offsets = self.numbers(kind, count)?;
             if self.source.upper_word().as_deref() != Some("CONNECTIVITY") {
-                return Err(self.source.wrong("no CONNECTIVITY behind OFFSETS"));
+                return Err(self.source.wrong("OFFSETS is not followed by CONNECTIVITY"));
             }
             let kind = self.number_type()?;
             let corners = self.numbers(kind, size)?;
@@ -133,7 +133,7 @@ impl Reader<'_> {
         let types = self.numbers(Type::I32, count)?;
         let (ends, corners) = self.cells.take().unwrap_or_default();
         if ends.len() != types.len() {
-            let cause = format!("{} cells, but {} types of cells", ends.len(), types.len());
+            let cause = format!("there are {} cells, but {} cell types", ends.len(), types.len());
             return Err(self.source.wrong(cause));
         }
         self.add_all(&ends, &corners, |i| Cell::of_type(types[i]))
@@ -143,7 +143,7 @@ impl Reader<'_> {
         let mut start = 0;
         for (i, &end) in ends.iter().enumerate() {
             let Some(of_cell) = corners.get(start..end) else {
-                let cause = format!("cell {i} goes from corner {start} to {end} of {}", corners.len());
+                let cause = format!("cell {i} has the invalid range of corners {start} to {end} of {}", corners.len());
                 return Err(self.source.wrong(cause));
             };
             self.surface.add_cell(cell(i), of_cell, 0)?;
@@ -236,7 +236,7 @@ impl Reader<'_> {
             b"unsigned_long" | b"unsigned_long_long" | b"vtktypeuint64" => Type::U64,
             b"float" => Type::F32,
             b"double" => Type::F64,
-            _ => return Err(self.source.wrong(format!("{} is no type of numbers that is read", quote(word)))),
+            _ => return Err(self.source.wrong(format!("the number type {} is not supported", quote(word)))),
         })
     }
 

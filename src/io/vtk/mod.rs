@@ -165,7 +165,7 @@ impl Surface {
     fn finish(self) -> Parsed {
         let Grid { faces, other_cells, .. } = &self.grid;
         if faces.count() == 0 && *other_cells > 0 {
-            let cause = format!("it holds cells of volumes, {other_cells} of kinds that are not known, and no faces");
+            let cause = format!("it has volume cells, {other_cells} of them of unknown types, and no faces");
             return Err(malformed(Place::Whole, cause, EXTRACT));
         }
         let (mesh, mut notes) = self.grid.into_mesh()?;
@@ -180,7 +180,10 @@ fn attributes(arrays: Vec<Array>, mesh: &Mesh, notes: &mut Vec<String>) -> Attri
     let mut attributes = Attributes::default();
     for array in arrays {
         if array.components == 0 || Some(array.values.len()) != array.components.checked_mul(points) {
-            notes.push(format!("the array '{}' is left out: it is not of all points", array.name.escape_debug()));
+            notes.push(format!(
+                "the array '{}' is left out: it does not have one value for each point",
+                array.name.escape_debug()
+            ));
             continue;
         }
         let is_color = array.role == Role::Colors

@@ -77,10 +77,10 @@ fn faces_of_grids_are_read() {
     };
     let read = grid("CELLS 3 14\n4 0 1 2 3\n3 0 1 3\n4 0 1 2 3\nCELL_TYPES 3\n8 5 10\n").unwrap();
     assert_eq!(read.mesh.triangles, [[0, 1, 3], [0, 3, 2], [0, 1, 3]]);
-    assert_eq!(read.notes, ["1 cell of a volume is left out"]);
+    assert_eq!(read.notes, ["1 volume cell is left out"]);
     let unknown = fault(grid("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n41\n")).1;
-    assert!(unknown.contains("1 of kinds that are not known, and no faces"), "{unknown}");
-    assert!(fault(grid("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 2\n5 5\n")).1.contains("1 cells, but 2 types"));
+    assert!(unknown.contains("1 of them of unknown types, and no faces"), "{unknown}");
+    assert!(fault(grid("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 2\n5 5\n")).1.contains("1 cells, but 2 cell types"));
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn the_outside_of_a_volume_is_read() {
         assert!(found.is_manifold() && found.is_oriented() && (found.euler, found.boundary_loops) == (2, 0));
         assert_eq!(
             (mesh.triangles.len(), notes),
-            (20, vec!["2 cells fill a volume: its outside is taken".to_string()])
+            (20, vec!["2 cells fill a volume: only its outer surface is used".to_string()])
         );
     }
 }
@@ -125,12 +125,12 @@ fn unstructured_grids_are_read_as_xml() {
     };
     let Read { mesh, attributes, notes } = grid("10", "4").unwrap();
     assert_eq!(mesh.triangles, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-    assert_eq!(notes, ["1 cell fills a volume: its outside is taken"]);
+    assert_eq!(notes, ["1 cell fills a volume: only its outer surface is used"]);
     assert_eq!(attributes.numbers("heat"), Ok(vec![1.0, 2.0, 3.0, 4.0, 5.0]));
     let Read { mesh, notes, .. } = grid("10 5", "4 7").unwrap();
-    assert_eq!((mesh.triangles, notes), (vec![[1, 2, 4]], vec!["1 cell of a volume is left out".to_string()]));
-    assert!(fault(grid("10", "4 7")).1.contains("2 cells, but 1 types"));
-    assert!(fault(grid("42", "7")).1.contains("1 of kinds that are not known, and no faces"));
+    assert_eq!((mesh.triangles, notes), (vec![[1, 2, 4]], vec!["1 volume cell is left out".to_string()]));
+    assert!(fault(grid("10", "4 7")).1.contains("2 cells, but 1 cell types"));
+    assert!(fault(grid("42", "7")).1.contains("1 of them of unknown types, and no faces"));
 }
 
 #[test]
@@ -138,8 +138,8 @@ fn errors_in_legacy_files_have_a_line() {
     for (from, to, line, words) in [
         ("POLYDATA", "STRUCTURED_POINTS", 4, "'STRUCTURED_POINTS', which has no faces"),
         ("ASCII", "ROMAN", 3, "'ROMAN', neither ASCII nor BINARY"),
-        ("POINTS 4 float", "POINTS 4 quad", 5, "'quad' is no type"),
-        ("POINTS 4 float", "POINTS 44444444 float", 5, "entries are promised"),
+        ("POINTS 4 float", "POINTS 4 quad", 5, "type 'quad' is not supported"),
+        ("POINTS 4 float", "POINTS 44444444 float", 5, "entries are declared"),
         ("1 1 0 0 1 0", "1 1 0 x 1 0", 7, "'x' is not a number"),
         ("4 0 1 2 3", "5 0 1 2 3", 11, "5 numbers are too few"),
         ("# vtk", "# vkt", 1, "the first line"),
@@ -152,9 +152,9 @@ fn errors_in_legacy_files_have_a_line() {
         (Place::Part("face 0".into()), "a cell uses point 4, but points go from 0 to 3")
     );
     let lines = &LEGACY[..LEGACY.find("POLYGONS").unwrap()];
-    assert!(fault(parse_legacy(lines.as_bytes())).1.contains("it holds lines, no faces"));
+    assert!(fault(parse_legacy(lines.as_bytes())).1.contains("it has lines but no faces"));
     let unknown = LEGACY.replace("FIELD", "FEELD");
-    assert!(parse_legacy(unknown.as_bytes()).unwrap().notes[0].starts_with("what follows from 'FEELD':"));
+    assert!(parse_legacy(unknown.as_bytes()).unwrap().notes[0].starts_with("everything from 'FEELD':"));
 }
 
 /// How arrays of a file are written.
@@ -246,13 +246,13 @@ fn pieces_are_put_together() {
 fn errors_in_xml_say_what_is_wrong() {
     let text = |from: &str, to: &str| String::from_utf8(xml(Form::Text, false)).unwrap().replace(from, to).into_bytes();
     for (bytes, words) in [
-        (text("\"PolyData\"", "\"ImageData\""), "of the type 'ImageData'"),
-        (text("byte_order", "compressor='vtkLZ4DataCompressor' byte_order"), "compressed by 'vtkLZ4DataCompressor'"),
+        (text("\"PolyData\"", "\"ImageData\""), "of type 'ImageData'"),
+        (text("byte_order", "compressor='vtkLZ4DataCompressor' byte_order"), "compressed with 'vtkLZ4DataCompressor'"),
         (text(" 1 2 3 4<", " 1 2 x 4<"), "'x' in an array is not a number"),
         (text(" 0 1 2 3<", " 0 1 2 4<"), "uses point 4"),
-        (text(" 4<", " 5<"), "from corner 0 to 5 of 4"),
+        (text(" 4<", " 5<"), "corners 0 to 5 of 4"),
         (text("<PolyData>", "<!-- "), "not XML"),
-        (text("format=\"ascii\"", "format=\"appended\""), "not in what is appended"),
+        (text("format=\"ascii\"", "format=\"appended\""), "not in the appended data"),
         (text("format=\"ascii\"", "format=\"binary\""), "missing or damaged"),
     ] {
         let cause = fault(parse_xml(&bytes)).1;

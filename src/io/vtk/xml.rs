@@ -191,7 +191,7 @@ impl File<'_> {
         };
         let Some(kind) = header.kind else {
             let name = header.name.escape_debug();
-            self.surface.grid.notes.push(format!("the array '{name}' is left out: it has no numbers of a known type"));
+            self.surface.grid.notes.push(format!("the array '{name}' is left out: its number type is not known"));
             return Ok(());
         };
         let values = match (header.offset, &self.appended) {
@@ -200,7 +200,7 @@ impl File<'_> {
             (Some(offset), Some(Appended { data, encoded })) if offset <= data.len() => {
                 in_bytes(Bytes::new(&data[offset..], *encoded), kind, self.packing, &mut self.budget)
             }
-            (Some(_), _) => Err(wrong(Place::Whole, "its numbers are not in what is appended to the file")),
+            (Some(_), _) => Err(wrong(Place::Whole, "its numbers are not in the appended data of the file")),
         };
         let values = values.map_err(part)?;
         let Header { name, components, .. } = header;
@@ -225,13 +225,16 @@ impl File<'_> {
         let base = self.surface.grid.positions.len();
         self.surface.add_positions(&piece.positions)?;
         if self.surface.grid.positions.len() >= u32::MAX as usize {
-            return Err(malformed(Place::Whole, "more points than 32-bit numbers can tell apart", "split the file"));
+            return Err(malformed(Place::Whole, "there are too many points for 32-bit indices", "split the file"));
         }
         for (kinds, corners, ends) in piece.cells {
             if let Kinds::Each(types) = &kinds
                 && types.len() != ends.len()
             {
-                return Err(wrong(Place::Whole, format!("{} cells, but {} types of cells", ends.len(), types.len())));
+                return Err(wrong(
+                    Place::Whole,
+                    format!("there are {} cells, but {} cell types", ends.len(), types.len()),
+                ));
             }
             let mut start = 0;
             for (i, end) in ends.into_iter().map(|end| end as usize).enumerate() {
@@ -240,7 +243,8 @@ impl File<'_> {
                     Kinds::Each(types) => Cell::of_type(types[i]),
                 };
                 let all = corners.get(start..end).ok_or_else(|| {
-                    let cause = format!("a cell goes from corner {start} to {end} of {}", corners.len());
+                    let cause =
+                        format!("a cell has the invalid range of corners {start} to {end} of {}", corners.len());
                     wrong(Place::Part(format!("face {}", self.surface.grid.faces.count())), cause)
                 })?;
                 self.surface.add_cell(cell, all, base)?;
@@ -260,12 +264,16 @@ impl File<'_> {
 
 fn packing(tag: &BytesStart) -> Result<Packing> {
     if let Some(kind) = attribute(tag, "type").filter(|kind| !["PolyData", "UnstructuredGrid"].contains(&&kind[..])) {
-        return Err(malformed(Place::Whole, format!("it is of the type {}", quote(kind.as_bytes())), EXTRACT));
+        return Err(malformed(
+            Place::Whole,
+            format!("it is of type {}, which is not supported", quote(kind.as_bytes())),
+            EXTRACT,
+        ));
     }
     let compressor = attribute(tag, "compressor").filter(|name| !name.is_empty());
     if let Some(name) = compressor.as_ref().filter(|name| *name != "vtkZLibDataCompressor") {
-        let cause = format!("its arrays are compressed by {}", quote(name.as_bytes()));
-        return Err(malformed(Place::Whole, cause, "save it with ZLib or without compression"));
+        let cause = format!("its arrays are compressed with {}, which is not supported", quote(name.as_bytes()));
+        return Err(malformed(Place::Whole, cause, "save it with ZLib compression or without compression"));
     }
     let is = |key: &str, value: &str| attribute(tag, key).is_some_and(|found| found == value);
     Ok(Packing {

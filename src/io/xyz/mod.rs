@@ -50,13 +50,13 @@ struct Table {
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     if is_binary(bytes) {
-        let remedy = "export its points as such text, one a line, or as PLY, PCD or LAS";
-        return Err(malformed(Place::Whole, "it is binary, not columns of numbers in text", remedy));
+        let remedy = "export its points as columns of text, one point per line, or as PLY, PCD or LAS";
+        return Err(malformed(Place::Whole, "it is binary, not text with columns of numbers", remedy));
     }
     let mut table = Table::default();
     table.lines(Words::new(bytes))?;
     if table.width == 0 {
-        return Err(malformed(Place::Whole, "there are no numbers in it", "check that it has one point a line"));
+        return Err(malformed(Place::Whole, "there are no numbers in it", "check that it has one point per line"));
     }
     Ok(table.finish())
 }
@@ -147,10 +147,12 @@ impl Table {
             // The number of points.
             Line::Row if self.width == 0 && found == 1 => self.values.clear(),
             Line::Row if self.width == 0 && found < 3 => {
-                return Err(words.mistake(format!("{found} columns, where x, y and z are needed")));
+                return Err(words.mistake(format!("the line has {found} columns, but x, y and z are needed")));
             }
             Line::Row if self.width != 0 && found != self.width => {
-                return Err(words.mistake(format!("{found} columns, where the lines before have {}", self.width)));
+                return Err(
+                    words.mistake(format!("the line has {found} columns, but the lines before it have {}", self.width))
+                );
             }
             Line::Row => self.width = found,
         }
@@ -319,7 +321,7 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        fails_at("1 2 3\n1 2\n", 2, "2 columns, where the lines before have 3");
+        fails_at("1 2 3\n1 2\n", 2, "2 columns, but the lines before it have 3");
         fails_at("1 2 3\n\n1 2 3 4\n", 3, "4 columns");
         fails_at("1 2\n", 1, "x, y and z are needed");
         fails_at("1 2 3\n1 x 3\n", 2, "'x' is not a number");

@@ -43,7 +43,7 @@ pub fn refuse_coarser(options: &Options) -> Result<()> {
     };
     Err(Error::Option {
         option: setting,
-        cause: "it needs all of a mesh, which becomes coarser while it is read out of core".into(),
+        cause: "it needs the whole mesh, but a mesh is coarsened while it is read out of core".into(),
         remedy: "leave it out, or read the mesh as a whole".into(),
     })
 }
@@ -67,9 +67,9 @@ pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Resu
         return Err(Error::Option {
             option: Setting::Memory,
             cause: format!(
-                "{result:.0} vertices of this mesh take about {needed} MB, more than the {memory} MB that are allowed"
+                "remeshing to {result:.0} vertices takes about {needed} MB, more than the {memory} MB that are allowed"
             ),
-            remedy: "allow more, or ask for fewer vertices".into(),
+            remedy: "allow more memory, or ask for fewer vertices".into(),
         });
     }
     if bytes(1.0) <= memory as f64 {

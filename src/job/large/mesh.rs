@@ -56,8 +56,8 @@ fn not_in_blocks(path: &Path) -> Error {
     Error::File {
         file: path.display().to_string(),
         cause:
-            "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL can, and points in binary PLY, \
-                LAS, LAZ, E57 and text (XYZ)"
+            "it cannot be read in blocks: only faces in OBJ, binary PLY and binary STL, and points in binary PLY, LAS, \
+                LAZ, E57 and text (XYZ) can be"
                 .into(),
         remedy: "convert it, or read it as a whole".into(),
     }

@@ -30,7 +30,7 @@ impl Workspace {
         let made =
             tempfile::Builder::new().prefix(".remesh-tiles-").tempdir_in(parent).map_err(|error| Error::File {
                 file: parent.display().to_string(),
-                cause: format!("no folder can be made in it: {error}"),
+                cause: format!("cannot create a folder in it: {error}"),
                 remedy: "choose another folder for temporary files".into(),
             })?;
         Ok(Workspace::Passing(made))

@@ -221,7 +221,7 @@ pub fn volume(points: usize) -> Error {
 
 /// Error for points whose surface has no triangles.
 pub(in crate::pipeline) fn no_surface(points: usize) -> Error {
-    let cause = format!("no surface goes through these {points} points: neighbours do not agree on one");
+    let cause = format!("no surface goes through these {points} points: neighbouring points do not agree on one");
     Error::Mesh {
         fault: Fault::NoSurface,
         cause,
@@ -232,20 +232,20 @@ pub(in crate::pipeline) fn no_surface(points: usize) -> Error {
 /// Refuses points without an area.
 fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
     let refuse =
-        |fault, cause: String| Err(Error::Mesh { fault, cause, remedy: "give points all over a surface".into() });
+        |fault, cause: String| Err(Error::Mesh { fault, cause, remedy: "give points spread over a surface".into() });
     if let Some(p) = positions.iter().position(|p| !p.is_finite()) {
-        return refuse(Fault::Coordinates, format!("point {p} is at {}", positions[p]));
+        return refuse(Fault::Coordinates, format!("point {p} is at {}, which is not finite", positions[p]));
     }
     let n = positions.len();
     if n == 1 {
-        return refuse(Fault::NoArea, "all points are at one place".into());
+        return refuse(Fault::NoArea, "all points are at the same position".into());
     }
     let ([_, middle, largest], _) = eigen(scatter(positions.iter().copied()).1);
     if n > 1 && middle.max(0.0).sqrt() <= 1e-7 * largest.sqrt() {
         return refuse(Fault::NoArea, format!("all {n} points lie on a line"));
     }
     if n < FEWEST_POINTS {
-        return refuse(Fault::Empty, format!("{n} points at different places are too few for a surface"));
+        return refuse(Fault::Empty, format!("{n} distinct points are too few for a surface"));
     }
     Ok(())
 }

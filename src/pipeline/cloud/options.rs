@@ -47,7 +47,7 @@ impl CloudOptions {
         let refuse = |option, cause: String, remedy: &str| Err(Error::Option { option, cause, remedy: remedy.into() });
         match self.neighborhood {
             Some(NormalNeighborhood::Count(n)) if n < 3 => {
-                refuse(Setting::NormalNeighbors, format!("{n} neighbours have no normal"), "give at least 3")
+                refuse(Setting::NormalNeighbors, format!("{n} neighbours are too few for a normal"), "give at least 3")
             }
             Some(NormalNeighborhood::Radius(r)) if !(r > 0.0 && r.is_finite()) => {
                 refuse(Setting::NormalRadius, format!("{r} is not a length"), "give a length above zero")

@@ -115,7 +115,7 @@ fn refuse_too_small(resolution: f64, area: f64) -> Result<()> {
 
 fn too_small(resolution: f64, vertices: f64) -> Error {
     let cause = format!(
-        "cells of {resolution} would have about {vertices:.1e} corners near the surface, {:.0} GB",
+        "cells of {resolution} would have about {vertices:.1e} corners near the surface, which take {:.0} GB",
         vertices * BYTES_PER_VERTEX as f64 / 1e9
     );
     Error::Option { option: Setting::Resolution, cause, remedy: "give a larger length".into() }

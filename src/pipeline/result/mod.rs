@@ -143,19 +143,21 @@ pub(in crate::pipeline) fn has_kind(found: &Topology, wanted: &Topology) -> bool
 fn note_on_pinholes(Pinholes { count, place }: &Pinholes) -> String {
     let holes = counted(*count, "hole is", "holes are");
     let place = near(*place);
-    format!("{holes} too small for edges so long, and closed: the largest, {place}; more points keep more of them")
+    format!(
+        "{holes} too small for edges of this length and therefore closed, the largest {place}; more points keep more of them"
+    )
 }
 
 /// Notes which sharp edges were left out.
 fn note_on_left_out(LeftOut { patches, deviation }: &LeftOut) -> String {
     let patches = counted(
         *patches,
-        "strip, patch or tip of one is too narrow for so few vertices",
-        "strips, patches and tips of them are too narrow for so few vertices",
+        "strip, patch or patch tip is too narrow for so few vertices",
+        "strips, patches or patch tips are too narrow for so few vertices",
     );
     format!(
-        "{patches}: each is joined with a neighbour, without the sharp edges between them, which moves the surface by \
-         {deviation:.2e} at most; more points keep more of them"
+        "{patches}: each is joined with a neighbour and the sharp edges between them are dropped, which moves the surface \
+         by {deviation:.2e} at most; more points keep more of them"
     )
 }
 
@@ -166,30 +168,30 @@ fn notes_on_repairs(r: &Repairs) -> impl Iterator<Item = String> {
         (
             r.faces_between_cells,
             ["face between the cells of a volume was", "faces between the cells of a volume were"],
-            "dropped: its outside is left",
+            "dropped: only its outer surface is left",
         ),
         (
             r.cut_edges,
             ["edge with more than two faces was", "edges with more than two faces were"],
             "taken apart into sheets",
         ),
-        (r.split_vertices, ["vertex was", "vertices were"], "doubled where sheets met only at a point or an edge"),
+        (r.split_vertices, ["vertex was", "vertices were"], "duplicated where sheets met only at a point or an edge"),
         (
             r.unorientable_edges,
             ["edge was", "edges were"],
-            "cut open because the surface has no two sides (like a Möbius strip)",
+            "cut open because the surface is one-sided (like a Möbius strip)",
         ),
         (r.flipped_triangles, ["face was", "faces were"], "turned over to agree with the neighbours"),
         (
             r.needles,
-            ["triangle of next to no height was", "triangles of next to no height were"],
-            "collapsed or flipped: rounding made them",
+            ["triangle with almost no height was", "triangles with almost no height were"],
+            "collapsed or flipped: rounding had produced them",
         ),
         (dropped, ["degenerate or repeated face was", "degenerate or repeated faces were"], "dropped"),
         (
             r.seam_vertices,
             ["boundary vertex was", "boundary vertices were"],
-            "welded to others that are not exactly at the same place, which closes seams",
+            "welded to others not exactly at the same place, which closes seams",
         ),
     ];
     let any = done.into_iter().filter(|(count, ..)| *count > 0);
@@ -201,14 +203,14 @@ pub(in crate::pipeline) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> V
     let mut notes: Vec<String> = notes_on_repairs(&result.repairs).collect();
     notes.extend(cracks.map(note_on_cracks));
     if result.is_rough {
-        notes.push("the surface is rough, as a scan with noise is: smoothing takes noise away".into());
+        notes.push("the surface is rough, like a noisy scan: smoothing removes noise".into());
     }
     if result.blunted {
         notes.push("the sharp edges are too close together for so few vertices: none is kept sharp".into());
     }
     if result.output.vertices != result.wanted {
         notes.push(format!(
-            "{} instead of {}: the topology of the input needs as many",
+            "{} instead of {}: the topology of the input needs that many",
             counted(result.output.vertices, "vertex", "vertices"),
             result.wanted
         ));
@@ -230,7 +232,7 @@ pub(in crate::pipeline) fn notes(result: &Remeshed, cracks: Option<Cracks>) -> V
     if result.smoothed_curves > 0 {
         let edges = counted(result.smoothed_curves, "sharp edge is", "sharp edges are");
         notes.push(format!(
-            "{edges} smoothed over where so few vertices do not fit between them; more points may keep them"
+            "{edges} smoothed over where there are too few vertices to fit between them; more points may keep them"
         ));
     }
     notes
@@ -244,8 +246,8 @@ impl LostComponents {
             (gone, "component of the input is not in the result", "components of the input are not in the result"),
             (
                 shrunk,
-                "component is smaller than edges are long, and only a few triangles without its shape are left of it",
-                "components are smaller than edges are long, and only a few triangles without their shape are left of them",
+                "component is smaller than the edges: only a few triangles, without its shape, are left of it",
+                "components are smaller than the edges: only a few triangles, without their shape, are left of them",
             ),
         ];
         let place = near(DVec3::from_array(place));
@@ -278,7 +280,12 @@ fn note_on_slivers(result: &Remeshed) -> Option<String> {
 /// Notes how many bridges there are, and where the first one is.
 fn note_on_bridges(result: &Remeshed) -> Option<String> {
     let is = ["face is", "faces are"].map(|is| format!("{is} where the input has no surface"));
-    note_on_faces(result, &result.bridges, &is, "a part of it is too thin for so few vertices; more points follow it")
+    note_on_faces(
+        result,
+        &result.bridges,
+        &is,
+        "part of the input is too thin for so few vertices; more points follow it better",
+    )
 }
 
 /// Notes how many `faces` there are, with a phrase for one and for many, where the first one is, and what helps.
@@ -296,7 +303,7 @@ fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
     let of_new = new.first().map(|&t| {
         let count = new.len();
         format!(
-            "{}, the first {}, where no faces of the input do; more points may part them",
+            "{}, the first {}, where no faces of the input do; more points may separate them",
             intersect(count),
             place(t)
         )
@@ -314,7 +321,7 @@ fn note_on_deviation(deviation: &Deviation) -> String {
     let Deviation { allowed, reached, place } = deviation;
     let place = near(DVec3::from_array(*place));
     format!(
-        "the largest distance to the input, {place}, is {reached:.4e} and more than {allowed:.4e}: more points come nearer"
+        "the largest distance to the input, {place}, is {reached:.4e}, more than the allowed {allowed:.4e}: more points reduce it"
     )
 }
 

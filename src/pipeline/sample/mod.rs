@@ -199,7 +199,7 @@ fn refuse_bad_points(positions: &[DVec3]) -> Result<()> {
         return Err(Error::Mesh {
             fault: Fault::Empty,
             cause: "there are no points".into(),
-            remedy: "check what the file is".into(),
+            remedy: "check what the file contains".into(),
         });
     }
     refuse_bad_positions(positions)

@@ -54,7 +54,7 @@ impl SampleOptions {
         check_kernel(self.sigma_n, &self.signals)?;
         self.cloud.validate()?;
         if self.levels == Some(0) {
-            let (cause, remedy) = ("there is at least one".into(), "give 1 or more".into());
+            let (cause, remedy) = ("there must be at least one level".into(), "give 1 or more".into());
             return Err(Error::Option { option: Setting::Levels, cause, remedy });
         }
         match self.density {

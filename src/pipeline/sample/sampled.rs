@@ -75,14 +75,16 @@ pub fn count_notes(kept: usize, candidates: usize, wanted: Option<usize>) -> Vec
     match wanted {
         Some(wanted) if kept < wanted => {
             let samples = counted(kept, "sample", "samples");
-            vec![format!("{samples} instead of {wanted}: there are no more points that differ")]
+            vec![format!("{samples} instead of {wanted}: there are no more distinct points")]
         }
         None if kept == candidates => {
-            vec![format!("all {kept} points are kept: σp is below their distances; a larger one leaves fewer")]
+            vec![format!(
+                "all {kept} points are kept: σp is smaller than the distances between them; a larger σp keeps fewer"
+            )]
         }
         None if kept <= HANDFUL => {
             let samples = counted(kept, "sample is", "samples are");
-            vec![format!("only {samples} left: σp is about as large as the whole; a smaller one leaves more")]
+            vec![format!("only {samples} left: σp is about as large as the whole input; a smaller σp keeps more")]
         }
         _ => Vec::new(),
     }

@@ -107,7 +107,7 @@ impl Task<'_> {
         let levels = self.options.levels.map_or(Vec::new(), |wanted| sample_levels(points.positions(), wanted));
         let mut notes = count_notes(points.positions().len(), candidates, self.wanted);
         notes.extend(self.options.levels.filter(|&wanted| levels.len() < wanted).map(|wanted| {
-            format!("{} levels instead of {wanted}: a coarser one would have less than three points", levels.len())
+            format!("{} levels instead of {wanted}: a coarser one would have fewer than three points", levels.len())
         }));
         Sampled {
             points,
@@ -161,7 +161,7 @@ impl Task<'_> {
         let surface =
             Rimls::new(cloud.points.positions(), cloud.points.normals(), &cloud.near, &cloud.spacings, support);
         let expected = self.wanted.unwrap_or_else(|| Scale::count_of_sigma(self.first_sigma, cloud.area()));
-        check_count(Setting::SigmaP, expected, format!("this width means {expected} samples"))?;
+        check_count(Setting::SigmaP, expected, format!("this width would give {expected} samples"))?;
         let choices = choices_on(&surface, cloud, expected, self.options.seed);
         check(self.monitor)?;
         let (sigma, samples) = match self.features.dimensions() {

@@ -47,7 +47,7 @@ pub(in crate::pipeline) fn follow(
     let (scale, sigma, samples) = if let Density::SigmaP(width) = density {
         let samples = scan(scale.sigma())?;
         let n = samples.len();
-        check_count(Setting::SigmaP, n, format!("a length of {width} means {n} vertices"))?;
+        check_count(Setting::SigmaP, n, format!("a kernel width of {width} would give {n} vertices"))?;
         (Scale::of_points(n, domain.mesh.area()), scale.sigma(), samples)
     } else {
         let (sigma, samples) = find_bandwidth(scale.sigma(), scale.wanted, &mut scan)?;

@@ -66,7 +66,7 @@ impl Within {
         let spacing = prepared.unit.size * scale.spacing;
         within.leave_small_components(spacing);
         if within.part.mesh.triangles.is_empty() {
-            let cause = format!("the part is smaller than a triangle of edges {spacing:.4e} long");
+            let cause = format!("the part is smaller than a triangle with edges {spacing:.4e} long");
             let remedy = "give more points, or a larger part".into();
             return Err(Error::Option { option: Setting::Points, cause, remedy });
         }
@@ -158,15 +158,18 @@ impl Within {
     /// Returns the notes on the part.
     pub(in crate::pipeline) fn notes(&self, mesh: &Mesh, kept: &Kept) -> Vec<String> {
         let new = mesh.positions.len() - kept.vertices.len();
-        let of_input = if self.was_repaired { "the input, once repaired," } else { "the input" };
+        let of_input = if self.was_repaired { "the repaired input" } else { "the input" };
         let mut notes = vec![format!(
-            "{new} vertices are inside of the part that was remeshed; {} vertices and {} triangles of {of_input} are as \
-             they were",
+            "{new} vertices are inside the part that was remeshed; {} vertices and {} triangles of {of_input} are \
+             unchanged",
             kept.vertices.len(),
             kept.triangles.len()
         )];
         if self.left > 0 {
-            notes.push(format!("{} components of the part stay as they are: no point fits into them", self.left));
+            notes.push(format!(
+                "{} components of the part are left unchanged: they are too small for a point inside",
+                self.left
+            ));
         }
         notes
     }

@@ -62,7 +62,7 @@ pub(super) fn histograms(shown: &[Shown]) -> String {
     let is_run = shown.iter().any(|s| s.role == "output");
     let mut lengths = Axis {
         title: "Edge length",
-        unit: if is_run { "over the wanted one; of the input over its mean" } else { "over the mean one" },
+        unit: if is_run { "relative to the target; for the input, to its mean" } else { "relative to the mean" },
         from: 0.0,
         to: 2.5,
         bins: 50,

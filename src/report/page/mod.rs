@@ -138,14 +138,14 @@ fn farthest(shown: &[Shown]) -> Option<f64> {
 
 /// Instructions for the viewer.
 const HINT: &str = "\
-<noscript><p class=\"hint\">The meshes are drawn by the page’s own script, which is switched off.</p></noscript>
-<p class=\"hint\">Drag to turn, drag with Shift to move; wheel or pinch to zoom once a mesh is chosen. Arrow keys, + and −,
-double-click for the first view. All meshes move together.</p>
+<noscript><p class=\"hint\">The meshes are drawn by a script in this page, but scripts are switched off.</p></noscript>
+<p class=\"hint\">Drag to rotate, Shift-drag to move; scroll or pinch to zoom once a mesh is selected. Arrow keys, + and −
+work as well; double-click to reset the view. All meshes move together.</p>
 ";
 
 /// The reason why there is no viewer.
 const HINT_ON_PICTURES: &str =
-    "<p class=\"hint\">Pictures, since these are more triangles than a page can well be turned with.</p>\n";
+    "<p class=\"hint\">Shown as pictures, since there are too many triangles for a page to rotate smoothly.</p>\n";
 
 fn known_colourings(farthest: Option<f64>) -> impl Iterator<Item = Colouring> + Clone {
     Colouring::ALL.into_iter().filter(move |c| *c != Colouring::Distance || farthest.is_some())
@@ -183,7 +183,7 @@ fn tools(shown: &[Shown], farthest: Option<f64>, has_viewer: bool) -> String {
     let swatches: String = drawn.iter().filter(|d| d.0).map(swatch).collect();
     let lines = if swatches.is_empty() { swatches } else { format!("<p class=\"legend\">{swatches}</p>") };
     let switches = [
-        (has_viewer, "<label><input type=\"checkbox\" id=\"wire\" checked> Wire frame</label>\n"),
+        (has_viewer, "<label><input type=\"checkbox\" id=\"wire\" checked> Wireframe</label>\n"),
         (
             has_viewer && (drawn[0].0 || drawn[1].0),
             "<label><input type=\"checkbox\" id=\"edges\" checked> Sharp edges</label>\n",
@@ -202,7 +202,7 @@ fn canvases(shown: &[Shown]) -> String {
     let panel = |s: &Shown| {
         let title = escape(&s.title());
         format!(
-            "<figure class=\"panel\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}, turned by the arrow keys\">\
+            "<figure class=\"panel\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}, rotate with the arrow keys\">\
              </canvas>{}</figure>\n",
             caption(s)
         )

@@ -20,10 +20,10 @@ pub(super) struct Kind {
 
 const CROSSING: Kind = Kind { name: "intersects another face", shown_by: None };
 const SLIVER: Kind = Kind { name: "angle below 1°", shown_by: None };
-const BRIDGE: Kind = Kind { name: "no surface of the input", shown_by: None };
+const BRIDGE: Kind = Kind { name: "no input surface here", shown_by: None };
 const NON_MANIFOLD: Kind = Kind { name: "at an edge with more than two faces", shown_by: None };
-const MISORIENTED: Kind = Kind { name: "turned against its neighbour", shown_by: None };
-const TOO_FAR: Kind = Kind { name: "farther than asked for", shown_by: None };
+const MISORIENTED: Kind = Kind { name: "oriented against its neighbour", shown_by: None };
+const TOO_FAR: Kind = Kind { name: "farther than allowed", shown_by: None };
 const ANGLE: Kind = Kind { name: "smallest angle", shown_by: Some(Colouring::Angle) };
 const QUALITY: Kind = Kind { name: "lowest quality", shown_by: Some(Colouring::Quality) };
 const DISTANCE: Kind = Kind { name: "largest distance", shown_by: Some(Colouring::Distance) };
@@ -218,7 +218,7 @@ mod tests {
         mesh.triangles[0].swap(0, 1);
         let found = found(&mesh);
         assert_eq!(found[0], ("intersects another face", "face 2".into()));
-        assert!(found.iter().any(|f| f.0 == "turned against its neighbour"));
+        assert!(found.iter().any(|f| f.0 == "oriented against its neighbour"));
         assert_eq!(found.last().unwrap().0, "lowest quality");
     }
 

@@ -50,7 +50,7 @@ fn verdict(mesh: usize, name: &str, report: &Report, places: &[Place]) -> String
         (Some(true), _) => ("Verified".into(), VERIFIED),
         (Some(false), _) => ("Not verified".into(), ""),
         (None, true) => (format!("{}: Sound", escape(name)), SOUND),
-        (None, false) => (format!("{}: With faults", escape(name)), ""),
+        (None, false) => (format!("{}: Not sound", escape(name)), ""),
     };
     let lines = if is_good { vec![good.into()] } else { wrong };
     let items: String = lines.iter().map(|line| format!("<li>{}</li>", escape(line))).collect();

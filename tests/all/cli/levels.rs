@@ -31,9 +31,9 @@ fn levels_are_files_or_one_file() {
     assert!(String::from_utf8(read("r.html")).unwrap().contains("out.glb, level 1"));
 
     let before = files(folder.path());
-    run(folder.path(), "sphere.off out.obj --levels 100,400").failed(2, &["--levels: 400 follows 100"]);
+    run(folder.path(), "sphere.off out.obj --levels 100,400").failed(2, &["--levels: 400 comes after 100"]);
     run(folder.path(), "sphere.off absent/out.obj --levels 400,100").failed(1, &["absent"]);
-    run(folder.path(), "sphere.off /dev/stdout --output-format obj --levels 400,100").failed(1, &["one stream"]);
+    run(folder.path(), "sphere.off /dev/stdout --output-format obj --levels 400,100").failed(1, &["a single stream"]);
     assert_eq!(files(folder.path()), before);
 }
 

@@ -154,7 +154,7 @@ fn a_hole_far_smaller_than_edges_is_closed_and_told() {
     };
     let made = check("pinhole", &with_hole(0.001), 1500);
     assert_eq!((made.repaired.boundary_loops, made.output.boundary_loops, made.output.euler), (0, 0, 2));
-    let told = |note: &String| note.contains("1 hole is too small for edges so long, and closed");
+    let told = |note: &String| note.contains("1 hole is too small for edges of this length and therefore closed");
     assert!(made.notes.iter().any(told), "{:?}", made.notes);
     assert!(shape(&made.mesh).unwrap().theta_min > 30.0);
     let made = check("hole", &with_hole(0.2), 1500);

@@ -50,16 +50,16 @@ fn what_cannot_be_remeshed_is_refused_with_a_reason() {
         refused(&cube, &Options { grading: Grading::Curvature(adapt), ..points(100) }, "adaptivity");
     }
     let field = |lengths: &[f64]| Options { grading: Grading::Field(Values::Given(lengths.to_vec())), ..points(100) };
-    refused(&cube, &field(&[1.0; 7]), "field of edge lengths: 7 values are given for the 8 vertices");
+    refused(&cube, &field(&[1.0; 7]), "sizing field: 7 values are given for the 8 vertices");
     for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
-        refused(&cube, &field(&[1.0, 1.0, bad, 1.0, 1.0, 1.0, 1.0, 1.0]), "field of edge lengths: vertex 2");
+        refused(&cube, &field(&[1.0, 1.0, bad, 1.0, 1.0, 1.0, 1.0, 1.0]), "sizing field: vertex 2");
     }
-    refused(&cube, &Options { density: Density::OfField, ..Options::default() }, "field of edge lengths");
-    refused(&cube, &Options { density: Density::OfField, ..field(&[1e-6; 8]) }, "field of edge lengths");
+    refused(&cube, &Options { density: Density::OfField, ..Options::default() }, "sizing field");
+    refused(&cube, &Options { density: Density::OfField, ..field(&[1e-6; 8]) }, "sizing field");
     for error in [MaxError::Length(0.0), MaxError::OfDiagonal(f64::NAN)] {
         refused(&cube, &Options { max_error: Some(error), ..Options::default() }, "error bound");
     }
-    refused(&cube, &Options { density: Density::Auto, ..Options::default() }, "how many");
+    refused(&cube, &Options { density: Density::Auto, ..Options::default() }, "the number needed");
     for length in [1e-9, 1e9] {
         refused(&cube, &Options { density: Density::EdgeLength(length), ..Options::default() }, "edge length");
     }
@@ -113,7 +113,7 @@ fn the_inside_of_a_volume_is_refused() {
     let Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy }) = made else {
         panic!("{:?}", made.map(|m| m.output))
     };
-    assert!(cause.contains("three faces or more") && remedy.contains("outside"), "{cause}; {remedy}");
+    assert!(cause.contains("three or more faces") && remedy.contains("outer surface"), "{cause}; {remedy}");
 }
 
 /// A monitor that cancels at the stage with this name.

@@ -120,7 +120,7 @@ fn a_rough_surface_far_denser_than_the_result_becomes_a_good_one() {
     assert!(made.verified() && made.sharp_curves == 0);
     let theta_min = shape(&made.mesh).unwrap().theta_min;
     assert!(theta_min > 20.0, "{theta_min}");
-    assert!(made.is_rough && made.notes.iter().any(|note| note.contains("smoothing takes noise away")));
+    assert!(made.is_rough && made.notes.iter().any(|note| note.contains("smoothing removes noise")));
     let made = check_with("smooth", &rough(240, 96), &Options { smooth: Some(3.0), ..points(500) });
     assert!(!made.is_rough, "{:?}", made.notes);
 }

@@ -311,15 +311,15 @@ fn what_cannot_be_sampled_is_refused() {
     let line = cloud((0..50).map(|i| f64::from(i) * DVec3::ONE).collect());
     refused(&line, &count(10), "on a line");
     refused(&line, &SampleOptions { sigma_n: 0.5, ..subset.clone() }, "on a line");
-    refused(&some, &SampleOptions { density: SampleDensity::SigmaP(1e-7), ..count(10) }, "this width means");
-    refused(&some, &SampleOptions { sigma_n: 0.0, ..subset.clone() }, "kernel width σn: 0 is not a width");
-    refused(&some, &SampleOptions { sigma_n: f64::NAN, ..subset.clone() }, "not a width");
+    refused(&some, &SampleOptions { density: SampleDensity::SigmaP(1e-7), ..count(10) }, "this width would give");
+    refused(&some, &SampleOptions { sigma_n: 0.0, ..subset.clone() }, "kernel width σn: 0 is not a kernel width");
+    refused(&some, &SampleOptions { sigma_n: f64::NAN, ..subset.clone() }, "not a kernel width");
     let signal = |values, sigma| {
         let signals = vec![Signal { values: Values::Given(values), sigma }];
         SampleOptions { signals, ..subset.clone() }
     };
     refused(&some, &signal(vec![1.0; 49], 1.0), "49 values are given for the 50 vertices");
-    refused(&some, &signal(vec![1.0; 50], -1.0), "signals: -1 is not a width");
+    refused(&some, &signal(vec![1.0; 50], -1.0), "signals: -1 is not a kernel width");
     refused(&some, &signal(vec![f64::NAN; 50], 1.0), "vertex 0 has the value NaN");
     refused(&cloud(vec![]), &subset, "no points");
     refused(&cloud(vec![DVec3::NAN]), &subset, "vertex 0");
@@ -442,7 +442,7 @@ fn samples_follow_a_property() {
 #[test]
 fn a_width_below_zero_is_none() {
     let options = Options { grading: kernel(-0.5), ..Options::default() };
-    assert!(options.validate().unwrap_err().to_string().contains("not a width"));
+    assert!(options.validate().unwrap_err().to_string().contains("not a kernel width"));
 }
 
 /// Returns attributes of `mesh` whose values are known everywhere: its heat is x + 2 y, its side the sign of z.

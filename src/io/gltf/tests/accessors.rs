@@ -17,7 +17,7 @@ fn all_types_of_indices() {
     }
     assert_eq!(place(load(&indexed(5120, &bytes, 6))), ", accessor 1");
     assert_eq!(place(load(&indexed(5126, ints.as_flattened(), 6))), ", accessor 1");
-    assert_eq!(cause(load(&indexed(5121, &[0, 1, 4], 3))), "index 2 is vertex 4, of only 4");
+    assert_eq!(cause(load(&indexed(5121, &[0, 1, 4], 3))), "index 2 refers to vertex 4, but there are only 4");
 }
 
 #[test]
@@ -27,7 +27,10 @@ fn compressed_data_are_named() {
     assert_eq!(cause(load(&root)), "has no data");
     root["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
     let error = load(&root).unwrap_err().to_string();
-    assert!(error.contains("compressed by KHR_draco_mesh_compression") && error.contains("gltf-transform"), "{error}");
+    assert!(
+        error.contains("compressed with KHR_draco_mesh_compression") && error.contains("gltf-transform"),
+        "{error}"
+    );
 }
 
 #[test]

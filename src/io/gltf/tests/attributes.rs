@@ -28,7 +28,7 @@ fn attributes_of_vertices() {
     for (key, value, cause) in [
         ("count", json!(2), "_SIZE is left out: accessor 1 has 2 values for 3 vertices"),
         ("count", json!(4), "_SIZE is left out: accessor 1: 4 elements are more than buffer view 1 holds"),
-        ("type", json!("MAT2"), "_SIZE is left out: accessor 1: values are up to four"),
+        ("type", json!("MAT2"), "_SIZE is left out: accessor 1: these are not values of up to four"),
     ] {
         let mut root = root.clone();
         root["accessors"][1][key] = value;

@@ -95,7 +95,7 @@ fn parts_of_materials_that_are_left_out_are_noted() {
         read.notes,
         [
             "image 1 is left out: it is neither PNG nor JPEG",
-            "textures by TEXCOORD_1 are left out",
+            "textures that use TEXCOORD_1 are left out",
             "textures without a PNG or JPEG image are left out",
             "the extension KHR_materials_clearcoat of materials is left out",
         ]
@@ -109,14 +109,18 @@ fn parts_of_materials_that_are_left_out_are_noted() {
 #[test]
 fn numbers_in_materials_are_checked() {
     for (pointer, value, expected) in [
-        ("/meshes/0/primitives/0/material", json!(3), (", mesh 0", "a primitive has material 3, of only 3")),
-        ("/materials/2/normalTexture/index", json!(9), (", material 2", "uses texture 9, of only 3")),
-        ("/textures/0/source", json!(2), (", texture 0", "uses image 2, of only 2")),
-        ("/textures/0/sampler", json!(-1), (", texture 0", "uses sampler -1, of only 1")),
+        (
+            "/meshes/0/primitives/0/material",
+            json!(3),
+            (", mesh 0", "a primitive uses material 3, but there are only 3"),
+        ),
+        ("/materials/2/normalTexture/index", json!(9), (", material 2", "uses texture 9, but there are only 3")),
+        ("/textures/0/source", json!(2), (", texture 0", "uses image 2, but there are only 2")),
+        ("/textures/0/sampler", json!(-1), (", texture 0", "uses sampler -1, but there are only 1")),
         ("/images/0/bufferView", json!(4), (", buffer view 4", "does not exist")),
         ("/materials/2/alphaMode", json!("X"), (", material 2", "has the unknown alpha mode 'X'")),
         ("/materials/2/emissiveFactor", json!([1]), (", material 2", "has a factor that is not 3 numbers")),
-        ("/materials/2", json!(5), (", material 2", "is no object")),
+        ("/materials/2", json!(5), (", material 2", "is not an object")),
         ("/images/0", json!({}), (", image 0", "has no data")),
     ] {
         let mut root = dressed();

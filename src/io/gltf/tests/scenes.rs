@@ -29,12 +29,12 @@ fn lines_are_noted_and_points_read() {
     for mode in 1..4 {
         let mut root = with_data(&SQUARE, &[]);
         root["meshes"][0]["primitives"][0]["mode"] = mode.into();
-        assert!(cause(load(&root)).contains("it holds lines, no faces"));
+        assert!(cause(load(&root)).contains("it has lines but no faces"));
         let lines = root["meshes"][0]["primitives"][0].clone();
         root["meshes"][0]["primitives"][0]["mode"] = 4.into();
         root["meshes"][0]["primitives"].as_array_mut().unwrap().push(lines);
         let (_, notes) = load(&root).unwrap();
-        assert!(notes.contains(&"1 primitives of lines are left out".into()));
+        assert!(notes.contains(&"1 line primitives are left out".into()));
     }
     let mut root = with_data(&SQUARE, &[]);
     root["meshes"][0]["primitives"][0]["mode"] = 0.into();

@@ -78,7 +78,7 @@ fn levels_are_nodes_that_the_finest_one_names() {
     let other = Attributes { materials: None, ..of_coarse };
     assert!(write(&[(&fine, &of_fine), (&coarse, &other)]).unwrap_err().to_string().contains("different materials"));
     let into_obj = write_levels(&[(&fine, &of_fine)], Format::Obj, &mut Vec::new());
-    assert!(into_obj.unwrap_err().to_string().contains("OBJ holds one mesh"));
+    assert!(into_obj.unwrap_err().to_string().contains("OBJ can hold only one mesh"));
 }
 
 #[test]
