@@ -20,7 +20,7 @@ const ASSIMP: &str = "convert it with Blender or `assimp export IN OUT.glb`";
 const GMSH: &str = "it has exact surfaces: mesh it in a CAD program or with `gmsh IN -2 -o OUT.stl`";
 const UNPACK: &str = "unpack it and give the file in it";
 
-const KINDS: [Foreign; 21] = [
+const KINDS: [Foreign; 22] = [
     Foreign { name: "a COLLADA file", endings: &["dae"], remedy: ASSIMP, has_signature: |head| has(head, "<COLLADA") },
     Foreign {
         name: "an FBX file",
@@ -84,6 +84,12 @@ const KINDS: [Foreign; 21] = [
         endings: &["vts", "vtr", "vti", "pvtu", "pvd", "vtm", "vtkhdf"],
         remedy: "open it in ParaView, extract its surface and save that as VTP",
         has_signature: |head| has(head, "<VTKFile") && !has(head, "PolyData") && !vtk::is_grid(head),
+    },
+    Foreign {
+        name: "an Abaqus or Nastran file",
+        endings: &["inp", "bdf", "nas"],
+        remedy: "convert it with `meshio convert IN OUT.vtk`",
+        has_signature: |head| starts_without_case(head, b"*heading") || starts_without_case(head, b"*node"),
     },
     Foreign {
         name: "an HDF5 file",
@@ -176,6 +182,7 @@ mod tests {
             ("html", b"\n<!DOCTYPE html>"),
             ("vts", b"<VTKFile type=\"StructuredGrid\">"),
             ("gii", b"<?xml version=\"1.0\"?>\n<GIFTI Version=\"1\">"),
+            ("inp", b"*Node\n      1,  60.,  0.\n"),
             ("pvtu", b"<VTKFile type=\"PUnstructuredGrid\">"),
             ("zip", b"PK\x03\x04"),
         ] {

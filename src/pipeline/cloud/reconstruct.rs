@@ -20,7 +20,7 @@ use crate::surface::implicit::Rimls;
 pub struct ReconstructOptions {
     /// Edge length of the cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// How to treat the points. Where nothing is smoothed, the support radius is [`INTERPOLATING_SUPPORT`];
+    /// How to treat the points. Where nothing is smoothed, the support radius is [`INTERPOLATING_SUPPORT`](crate::pipeline::INTERPOLATING_SUPPORT);
     /// [`CloudOptions::fill_holes`] has no effect.
     pub cloud: CloudOptions,
 }

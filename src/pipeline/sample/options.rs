@@ -26,7 +26,7 @@ pub struct SampleOptions {
     /// Sweeps of gradient ascent. Default: 10, as in the paper (section 6.3).
     pub sweeps: usize,
     /// How to treat a cloud: its normals, and the support radius of the implicit surface on which samples move, which is
-    /// [`INTERPOLATING_SUPPORT`] if nothing is smoothed. Options on holes have no effect.
+    /// [`INTERPOLATING_SUPPORT`](crate::pipeline::INTERPOLATING_SUPPORT) if nothing is smoothed. Options on holes have no effect.
     pub cloud: CloudOptions,
 }
 
