@@ -41,8 +41,8 @@ const HIGHEST_RISE: f64 = 0.25;
 /// Cosine of the largest angle by which a split triangle may turn.
 const MOST_TURN: f64 = 0.5;
 
-/// Number of rings around a new vertex that contain all points it depends on: the support radius of a point plus the neighbours of
-/// its normal.
+/// Number of rings around a new vertex that contain all points it depends on: the support radius of a point plus the
+/// neighbours of its normal.
 const RINGS: usize = 5;
 
 /// Points with normals, and the data that their implicit surface needs.

@@ -1,6 +1,6 @@
 //! Dihedral angles across the edges of a mesh.
 //!
-//! The normal of a needle or cap that is too narrow for the samples cannot be trusted, since rounding dihedral_angles it. It is
+//! The normal of a needle or cap that is too narrow for the samples cannot be trusted, since rounding turns it. It is
 //! replaced by that of the triangle across the longest side. Strips this narrow become one edge.
 //!
 //! Cost: linear in the triangles.

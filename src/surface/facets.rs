@@ -5,9 +5,9 @@
 //! larger dihedral angle than a pillar of nine sides.
 //!
 //! The edges of a step between points on a lattice, no wider than their distance, are no edges of the surface either: the
-//! surface dihedral_angles back immediately by as much as it turned.
+//! surface turns back immediately by as much as it turned.
 //!
-//! Facets many samples wide are flat at the scale of the samples, and a surface that dihedral_angles strongly from one sample to the
+//! Facets many samples wide are flat at the scale of the samples, and a surface that turns strongly from one sample to the
 //! next is sharp at that scale. Both criteria apply to a whole chain of edges that continue straight, so that no chain is
 //! sharp in parts.
 //!

@@ -142,7 +142,7 @@ fn turned(dihedral_angles: &[f64], threshold: f64) -> Vec<bool> {
     dihedral_angles.iter().map(|&turn| turn.abs() >= threshold).collect()
 }
 
-/// Extends curves straight beyond their ends, where the surface dihedral_angles in the same direction by `least` degrees or more, so
+/// Extends curves straight beyond their ends, where the surface turns in the same direction by `least` degrees or more, so
 /// that a rim whose steepness varies stays whole.
 fn go_on(mesh: &Mesh, twin: &[u32], dihedral_angles: &[f64], sharp: &mut [bool], least: f64) {
     let mut sides_from: BTreeMap<u32, Vec<usize>> = BTreeMap::new();

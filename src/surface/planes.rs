@@ -16,7 +16,7 @@ use crate::surface::dihedral_angles::dihedral_angles;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest dihedral angle within a plane, in degrees: rounding to single precision dihedral_angles small triangles by less.
+/// Largest dihedral angle within a plane, in degrees: rounding to single precision turns small triangles by less.
 const FLAT: f64 = 0.1;
 
 /// Minimum number of input triangles in a plane, and its minimum area in squared spacings: in a scan, a few triangles may be

@@ -24,8 +24,8 @@ const POINTS_PER_VERTEX: u64 = 3;
 const BYTES_OF_SAMPLE: u64 = 52;
 const BYTES_OF_VERTEX: u64 = 180;
 
-/// Samples the points of a file tile by tile. Returns `None` for a file that is not larger than memory or that tiles cannot be made
-/// of, unless all files are to be sampled in this way.
+/// Samples the points of a file tile by tile. Returns `None` for a file that is not larger than memory or of which tiles
+/// cannot be made, unless all files are to be sampled in this way.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if the file or a temporary one cannot be read or written;
@@ -72,8 +72,8 @@ pub fn remesh_in_pieces(
 /// Joins the pieces of a mesh in a folder of tiles. Attributes that `format` cannot hold are left out.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) if a piece is missing or a file cannot be read; [`Error::Cancelled`](crate::Error::Cancelled)
-/// if the monitor asks for it.
+/// [`Error::File`](crate::Error::File) if a piece is missing or a file cannot be read;
+/// [`Error::Cancelled`](crate::Error::Cancelled) if the monitor asks for it.
 pub fn merge_pieces(
     folder: &TileFolder,
     carry: &Carry,

@@ -9,9 +9,9 @@
 //! Second, samples on the two sides of a thin wall may be joined so that triangles intersect, or those along a thin rod may
 //! be too few to go around it. Samples are then drawn again, more densely there.
 //!
-//! A result that is still unsound is mended (`pipeline/attempts/mend.rs`). Only if that does not help, or if there are too many such
-//! places, does everything start over, with finer edges there and with the short sharp edges and narrow patches that had
-//! been left out there.
+//! A result that is still unsound is mended (`mend.rs`). Only if that does not help, or if there are too many such places,
+//! does everything start over, with finer edges there and with the short sharp edges and narrow patches that had been left
+//! out there.
 
 pub(in crate::pipeline) mod finished;
 pub(in crate::pipeline) mod mend;

@@ -20,8 +20,8 @@ use crate::surface::implicit::Rimls;
 pub struct ReconstructOptions {
     /// Edge length of the cells, in the units of the input. Default: half the mean spacing of the points.
     pub resolution: Option<f64>,
-    /// How to treat the points. Where nothing is smoothed, the support radius is [`INTERPOLATING_SUPPORT`](crate::pipeline::INTERPOLATING_SUPPORT);
-    /// [`CloudOptions::fill_holes`] has no effect.
+    /// How to treat the points. Where nothing is smoothed, the support radius is
+    /// [`INTERPOLATING_SUPPORT`](crate::pipeline::INTERPOLATING_SUPPORT); [`CloudOptions::fill_holes`] has no effect.
     pub cloud: CloudOptions,
 }
 

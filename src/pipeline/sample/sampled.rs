@@ -15,9 +15,10 @@ const INDEX: &str = "index";
 pub struct Sampled {
     /// Samples in the coordinates of the input, with unit normals if the input has some.
     pub points: Points,
-    /// With [`SampleOptions::scan_only`](crate::pipeline::SampleOptions::scan_only), the number of each sample among the input's points.
+    /// With [`scan_only`](crate::pipeline::SampleOptions::scan_only), the number of each sample among the input's points.
     pub indices: Option<Vec<u32>>,
-    /// Positions on the triangles of the input; empty if it has none, and with [`SampleOptions::scan_only`](crate::pipeline::SampleOptions::scan_only).
+    /// Positions on the triangles of the input; empty if it has none, and with
+    /// [`scan_only`](crate::pipeline::SampleOptions::scan_only).
     pub origins: Vec<PointOnTriangle>,
     /// Attributes other than positions and normals; empty until they are set by [`carrying`](Self::carrying).
     pub carried: Attributes,
