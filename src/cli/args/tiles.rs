@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 pub(super) const HELP: &str = "\
 Samples and meshes a point cloud of any size on any number of machines that share a folder. Files are the interface:
-'plan' reads the cloud once and sorts it into the folder; then any process on any machine can sample any tile, in any order
+'plan' reads the cloud and sorts it into the folder; then any process on any machine can sample any tile, in any order
 and any number of times; 'merge' joins the results. The result has the same bytes for any number of tiles, machines and
 threads, and the same as that of 'remesh sample --out-of-core'.
 
@@ -30,7 +30,7 @@ not sound, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum TilesArgs {
-    /// Read a cloud once, sort its points by position, and cut it into tiles; the first word printed is the number of tiles
+    /// Read a cloud, sort its points by position, and cut it into tiles; the first word printed is the number of tiles
     Plan(PlanArgs),
     /// Sample tiles
     Sample {
