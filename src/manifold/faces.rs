@@ -33,11 +33,9 @@ impl Faces {
     /// Updates the positions and corners of the faces; returns those that have changed, in increasing order. `mesh` must
     /// have faces with the same numbers as before.
     pub fn follow(&mut self, mesh: &Manifold) -> Vec<u32> {
-        let has_changed = |t: usize| self.mesh.corners(t) != mesh.corners(self.number[t]);
-        let changed = parallel::collect(0..self.number.len(), |faces| faces.filter(|&t| has_changed(t)))
-            .into_iter()
-            .map(|t| self.number[t])
-            .collect();
+        let has_changed =
+            |(t, number): (usize, &u32)| (self.mesh.corners(t) != mesh.corners(*number)).then_some(*number);
+        let changed = self.number.iter().enumerate().filter_map(has_changed).collect();
         self.mesh.positions.iter_mut().zip(&mesh.samples).for_each(|(p, sample)| *p = sample.position);
         let triangles = self.mesh.triangles.iter_mut().zip(&self.number);
         triangles.for_each(|(corners, &t)| *corners = mesh.connectivity.triangle(3 * t));

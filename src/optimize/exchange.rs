@@ -127,7 +127,7 @@ struct Exchange<'a> {
 
 impl Exchange<'_> {
     /// Gives the surroundings of small angles the number of vertices that they need, at the triangles that `may` change.
-    fn change_counts(&self, mesh: &mut Manifold, may: impl Fn(&Manifold, u32) -> bool + Sync) -> Result<()> {
+    fn change_counts(&self, mesh: &mut Manifold, may: impl Fn(&Manifold, u32) -> bool) -> Result<()> {
         let mut given_up = GivenUp::default();
         for _ in 0..MOST_PASSES {
             check(self.monitor)?;
@@ -143,13 +143,10 @@ impl Exchange<'_> {
     }
 
     /// Returns a side of each triangle that has a small angle or poor quality and `may` change, the smallest angle first.
-    fn small_angles(&self, mesh: &Manifold, may: impl Fn(u32) -> bool + Sync) -> Vec<u32> {
-        let c = &mesh.connectivity;
+    fn small_angles(&self, mesh: &Manifold, may: impl Fn(u32) -> bool) -> Vec<u32> {
+        let angles = mesh.triangles().filter(|&t| may(t)).map(|t| (smallest_angle(mesh.corners(t)), t));
         let is_small = |&(angle, t): &(f64, u32)| angle < SMALL || quality(mesh.corners(t)) < POOR;
-        let mut small = parallel::collect(0..c.half_edge_bound() / 3, |triangles| {
-            let angles = triangles.filter(|&t| c.has_half_edge(3 * t) && may(t));
-            angles.map(|t| (smallest_angle(mesh.corners(t)), t)).filter(is_small)
-        });
+        let mut small: Vec<(f64, u32)> = angles.filter(is_small).collect();
         small.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         small.into_iter().map(|(_, t)| 3 * t).collect()
     }

@@ -47,9 +47,7 @@ pub(super) fn newton_step(
 ) -> Vec<DVec3> {
     let axes: Vec<[DVec3; 2]> = parallel::map(0..mesh.connectivity.vertex_bound(), |v| axes(mesh, locked, v));
     let steps = Equations::new(mesh, &axes, spacing, strain_of).solve();
-    parallel::collect((&steps[..], &axes[..]), |(steps, axes)| {
-        steps.iter().zip(axes).map(|(step, axes)| step.x * axes[0] + step.y * axes[1])
-    })
+    steps.iter().zip(axes).map(|(step, axes)| step.x * axes[0] + step.y * axes[1]).collect()
 }
 
 /// Returns the axes along which vertex `v` can move, with zero in place of those along which it cannot.

@@ -28,7 +28,6 @@
 use crate::base::error::Result;
 use crate::base::math;
 use crate::base::monitor::{Monitor, check};
-use crate::base::parallel;
 use crate::manifold::Manifold;
 use crate::manifold::motion::{move_vertices, move_vertices_where};
 use crate::manifold::vertex_set::VertexSet;
@@ -110,9 +109,11 @@ pub fn relax_within(
 
 /// Returns the steps of all vertices towards the minimum of the energy, by vertex number; zero for `locked` vertices.
 pub(super) fn relaxing_steps(mesh: &Manifold, locked: &VertexSet, spacing: f64) -> Vec<DVec3> {
-    let steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
-    let longest = |v: u32| LONGEST_STEP * spacing * mesh.sample(v).size;
-    parallel::map(0..steps.len() as u32, |v| steps[v as usize].clamp_length_max(longest(v)))
+    let mut steps = newton_step(mesh, locked, spacing, |t| strain_of(mesh, t, spacing));
+    for (step, sample) in steps.iter_mut().zip(mesh.samples()) {
+        *step = step.clamp_length_max(LONGEST_STEP * spacing * sample.size);
+    }
+    steps
 }
 
 fn flip(mesh: &mut Manifold, flips: Flips) {
