@@ -81,7 +81,8 @@ def remesh(
         normal_fit: Shape to which the normals of a cloud are fitted. By default planes, or spheres with ``smooth``.
         normal_neighbors: Number of neighbours in a fit. By default 8, or 16 with ``smooth``.
         normal_radius: Distance within which neighbours are taken instead, in the units of the input.
-        within: Remesh only the part in a box, of shape (2, 3): its lowest and its highest x, y and z. The rest is unchanged.
+        within: Remesh only the part in a box, of shape (2, 3): its lowest and its highest x, y and z. The rest of a mesh is
+            unchanged, that of a cloud is left out.
         select: Remesh only triangles with all vertices selected: by truth values of shape (n,), by the name of an attribute
             that is not zero there, or by ``"NAME=VALUE"``. The rest is unchanged.
         attributes: Additional arrays of shape (n,) or (n, components), by name. With ``False`` the result has no attributes.
@@ -193,6 +194,7 @@ def sample(
     sigma_p: float | None = None,
     sigma_n: float = math.inf,
     sigma: Mapping[str, float] | None = None,
+    within: ArrayLike | None = None,
     smooth: float | None = None,
     normal_fit: Literal["plane", "sphere"] | None = None,
     normal_neighbors: int | None = None,
@@ -215,6 +217,7 @@ def sample(
         sigma_p: Kernel width σp of the sampler, in the units of the input.
         sigma_n: Kernel width σn along unit normals. With 0.5 to 1, samples gather where the surface bends.
         sigma: Kernel widths along attributes of the input, by name. Samples gather where the attributes change.
+        within: Use only the points of a cloud in a box, of shape (2, 3): its lowest and its highest x, y and z.
         smooth: Support radius of the points of a cloud, in mean spacings; 0 takes 2.3, the least that leaves no holes. By
             default 2.7 if there is noise, otherwise as with 0.
         normal_fit: As for :func:`remesh`.
@@ -243,6 +246,7 @@ def sample(
         "sigma_p": sigma_p,
         "sigma_n": sigma_n,
         "sigma": dict(sigma or {}),
+        "within": as_box(within),
         "smooth": smooth,
         "normal_fit": normal_fit,
         "normal_neighbors": normal_neighbors,

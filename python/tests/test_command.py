@@ -74,6 +74,7 @@ SAME = {
         ("data/blob.obj --points 500 --scan-only", {"points": 500, "scan_only": True}),
         ("data/blob.obj --points 500 --levels 3", {"points": 500, "levels": 3}),
         ("bare.xyz --points 300 --smooth 3 --normal-fit plane", {"points": 300, "smooth": 3, "normal_fit": "plane"}),
+        ("bare.xyz --points 300 --within -9,-9,-9,9,9,0", {"points": 300, "within": [[-9, -9, -9], [9, 9, 0]]}),
         ("bare.xyz --points 300 --normal-neighbors 9", {"points": 300, "normal_neighbors": 9}),
         ("bare.xyz --points 300 --normal-radius 0.5", {"points": 300, "normal_radius": 0.5}),
     ],

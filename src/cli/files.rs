@@ -5,6 +5,7 @@ use crate::base::monitor::{Monitor, Stopwatch, check};
 use crate::cli::args::{MeshFile, Run, Voice};
 use crate::cli::terminal::{self, Terminal};
 use crate::io::{Loaded, file};
+use crate::prepare::thin::Wanted;
 use crate::report::RunSummary;
 use std::path::Path;
 
@@ -19,10 +20,10 @@ pub(super) fn check_report(run: &Run) -> Result<()> {
     run.report.iter().try_for_each(|path| file::check_target(path))
 }
 
-/// Returns the content of a file; of a cloud, about `of_use` points at most.
-pub(super) fn load(from: &MeshFile, of_use: Option<usize>, monitor: &dyn Monitor) -> Result<Loaded> {
+/// Returns the content of a file; of a cloud, the wanted points.
+pub(super) fn load(from: &MeshFile, wanted: Wanted, monitor: &dyn Monitor) -> Result<Loaded> {
     monitor.stage("read");
-    let loaded = file::read_at_most(&from.path, from.format, of_use)?;
+    let loaded = file::read_wanted(&from.path, from.format, wanted)?;
     check(monitor)?;
     Ok(loaded)
 }

@@ -7,6 +7,7 @@ use crate::cli::files::{add_run, load, name, watched, write_report};
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
 use crate::job::{Input, quality};
+use crate::prepare::thin::Wanted;
 use crate::report::page::{Subject, page};
 use crate::report::{Report, all_to_json, all_to_text};
 
@@ -29,7 +30,7 @@ pub(super) fn measure_files(job: &Measuring) -> Result<()> {
 }
 
 fn load_mesh(file: &MeshFile, monitor: &dyn Monitor) -> Result<Loaded> {
-    let loaded = load(file, None, monitor)?;
+    let loaded = load(file, Wanted::default(), monitor)?;
     Input::from(&loaded).refuse_points().map_err(|e| e.in_file(&name(file)))?;
     Ok(loaded)
 }

@@ -7,6 +7,7 @@ use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writin
 use crate::io::file;
 use crate::job::{Input, reconstruct};
 use crate::mesh::attributes::Attributes;
+use crate::prepare::thin::Wanted;
 use crate::report::surface::SurfaceReport;
 
 pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {
@@ -14,7 +15,7 @@ pub(super) fn reconstruct_file(job: &Reconstructing) -> Result<()> {
     file::output_format(&job.output.path, job.output.format)?;
     check_targets(&job.output.path, &job.run)?;
     let report = watched(job.run.voice, |monitor| {
-        let loaded = load(&job.input, None, monitor)?;
+        let loaded = load(&job.input, Wanted::default(), monitor)?;
         let made =
             reconstruct(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
         check(monitor)?;

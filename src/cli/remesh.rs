@@ -9,9 +9,10 @@ use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::io::{Loaded, file};
 use crate::job::large::{LargeFile, read_coarsened, remesh_in_pieces};
-use crate::job::{Carry, Input, Outcome, RemeshOptions, of_use_for_remeshing, remesh, remesh_levels};
+use crate::job::{Carry, Input, Outcome, RemeshOptions, remesh, remesh_levels, wanted_for_remeshing};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Grading, Values};
+use crate::prepare::thin::Wanted;
 use crate::report::page::{Subject, page};
 use crate::report::{Report, all_to_json, all_to_text};
 
@@ -80,7 +81,7 @@ fn in_pieces(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<
 fn in_memory(job: &Remeshing, outputs: &Outputs, monitor: &Stopwatch) -> Result<Made> {
     let loaded = match read_coarsened(&large(job), &job.options.surface, monitor)? {
         Some(loaded) => loaded,
-        None => load(&job.input, of_use(job), monitor)?,
+        None => load(&job.input, wanted(job), monitor)?,
     };
     let options = options(job, outputs, &loaded)?;
     let outcomes = outcomes(job, &loaded, &options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
@@ -122,11 +123,11 @@ fn subject<'a>(outcome: &'a Outcome, report: &'a Report) -> Subject<'a> {
     Subject { report, mesh: &outcome.mesh, edges: Some(&outcome.edges) }
 }
 
-/// Returns how many points of a cloud are useful; `None` if that is not known, or if another file has a number for each
-/// point.
-fn of_use(job: &Remeshing) -> Option<usize> {
+/// Returns which points of a cloud are wanted, of any number if another file has a number for each point.
+fn wanted(job: &Remeshing) -> Wanted {
+    let wanted = wanted_for_remeshing(&job.options.surface);
     let is_given = matches!(job.sizing, Some(Sizing::File(_)));
-    of_use_for_remeshing(&job.options.surface).filter(|_| !is_given)
+    Wanted { points: wanted.points.filter(|_| !is_given), ..wanted }
 }
 
 /// Returns the options, completed from other files.

@@ -6,7 +6,7 @@ use crate::cli::args::{MeshFile, Sampling};
 use crate::cli::files::{add_run, check_targets, hand_out, load, name, now_writing, watched};
 use crate::io::file;
 use crate::job::large::{LargeFile, sample_in_tiles};
-use crate::job::{Input, of_use_for_sampling, sample};
+use crate::job::{Input, sample, wanted_for_sampling};
 use crate::pipeline::Sampled;
 use crate::report::samples::SamplesReport;
 
@@ -36,7 +36,7 @@ fn sampled(job: &Sampling, monitor: &dyn Monitor) -> Result<(Sampled, Vec<String
     if let Some(sampled) = sample_in_tiles(&file, &job.options, monitor)? {
         return Ok((sampled, Vec::new()));
     }
-    let loaded = load(&job.input, of_use_for_sampling(&job.options), monitor)?;
+    let loaded = load(&job.input, wanted_for_sampling(&job.options), monitor)?;
     let sampled = sample(&Input::from(&loaded), &job.options, monitor).map_err(|e| e.in_file(&name(&job.input)))?;
     Ok((sampled, loaded.notes))
 }

@@ -51,6 +51,12 @@ impl Aabb {
         self.size().length()
     }
 
+    /// Returns whether a point is inside the box or on its faces.
+    #[inline]
+    pub fn contains(&self, p: DVec3) -> bool {
+        self.lo.cmple(p).all() && p.cmple(self.hi).all()
+    }
+
     /// The squared distance of the box to `p`; zero if `p` is inside. Even rounded, it never exceeds that of any point of
     /// the box.
     #[inline]

@@ -11,7 +11,7 @@ use crate::io::opened::Opened;
 use crate::io::read::{Loaded, checked};
 use crate::io::table::Table;
 use crate::io::{e57, las, ply, xyz};
-use crate::prepare::thin::{Thinned, Thinner};
+use crate::prepare::thin::{Levels, Thinned, Thinner, Wanted};
 use std::path::Path;
 
 /// Approximate size of a block, in bytes.
@@ -51,15 +51,16 @@ impl PointFile {
         Ok((table.points < u32::MAX as usize).then_some(PointFile { file, table }))
     }
 
-    /// Passes all points to `take`, in their order and block by block, after checking that all coordinates are finite.
+    /// Passes points to `take` in their order, as blocks of consecutive ones with the number of the first, after checking that
+    /// all coordinates are finite. Points that are not `wanted` may be among them, or missing. Returns the levels of detail
+    /// by which they were chosen, if there are any.
     ///
     /// # Errors
     /// Those of `take`; [`Error::File`](crate::Error::File) if the file cannot be read; an error with the place if the
     /// coordinates of a point are not finite.
-    pub fn read(&self, take: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
+    pub fn read(&self, wanted: &Wanted, take: &mut dyn FnMut(usize, &[u8]) -> Result<()>) -> Result<Option<Levels>> {
         let Table { start, row, points, rows, packed } = &self.table;
-        let mut first = 0;
-        let mut take_finite = |bytes: &[u8]| {
+        let mut take_finite = |first: usize, bytes: &[u8]| {
             let count = bytes.len() / row;
             let of_point = |i: usize| &bytes[row * i..row * (i + 1)];
             let is_somewhere = |i: usize| rows.look(of_point(i)).position.is_finite();
@@ -67,45 +68,48 @@ impl PointFile {
                 let i = (0..count).find(|&i| !is_somewhere(i)).expect("one of them is nowhere");
                 return Err(self.file.locate(rows.nowhere(first + i, of_point(i))));
             }
-            first += count;
-            take(bytes)
+            take(first, bytes)
         };
         let full = (BLOCK / row).max(1) * row;
         if let Some(packed) = packed {
-            return self.file.unpack(packed.as_ref(), full, &mut take_finite);
+            return self.file.unpack(packed.as_ref(), full, wanted, &mut take_finite);
         }
         self.file.seek(*start)?;
         let mut block = vec![0; full];
-        let mut left = points * row;
-        while left > 0 {
-            let count = full.min(left);
-            self.file.fill(&mut block[..count])?;
-            take_finite(&block[..count])?;
-            left -= count;
+        let mut first = 0;
+        while first < *points {
+            let count = (full / row).min(points - first);
+            let block = &mut block[..row * count];
+            self.file.fill(block)?;
+            take_finite(first, block)?;
+            first += count;
         }
-        Ok(())
+        Ok(None)
     }
 
-    /// Returns about `wanted` of the points: which they are, and their rows.
+    /// Returns the wanted points: which they are, and their rows.
     ///
     /// # Errors
     /// Those of [`Self::read`].
-    pub fn thinned(&self, wanted: usize) -> Result<(Thinned, Vec<u8>)> {
+    pub fn thinned(&self, wanted: Wanted) -> Result<(Thinned, Vec<u8>)> {
         let mut thinner = Thinner::new(wanted, self.table.row, |row: &[u8]| self.table.rows.look(row));
-        self.read(&mut |block| {
-            thinner.push(block);
+        let levels = self.read(&wanted, &mut |first, block| {
+            thinner.push(first, block);
             Ok(())
         })?;
-        Ok(thinner.finish())
+        let (thinned, rows) = thinner.finish();
+        // Only levels can leave points unread. Without them, the table may count too many.
+        let points = if levels.is_some() { self.table.points } else { thinned.points };
+        Ok((Thinned { points, levels, ..thinned }, rows))
     }
 }
 
-/// Reads about `wanted` points of the file at `path`. Returns `None` if it does not have more, or cannot be read in this
-/// way.
-pub(super) fn read_thinned(path: &Path, format: Option<Format>, wanted: usize) -> Result<Option<Loaded>> {
+/// Reads the wanted points of the file at `path`. Returns `None` if these are all, or if it cannot be read in this way.
+pub(super) fn read_thinned(path: &Path, format: Option<Format>, wanted: Wanted) -> Result<Option<Loaded>> {
     let points = PointFile::open(path, format)?;
-    let Some(points) = points.filter(|points| points.table.points > wanted) else { return Ok(None) };
+    let Some(points) = points.filter(|points| !wanted.is_all_of(points.table.points)) else { return Ok(None) };
     let (thinned, rows) = points.thinned(wanted)?;
+    thinned.refuse_empty(&wanted).map_err(|error| points.file.locate(error))?;
     let PointFile { file, table } = points;
     let read = table.rows.read(&rows).and_then(|read| checked(read, file.format));
     let loaded = read.map_err(|error| file.locate(error))?;

@@ -13,6 +13,7 @@ use crate::io::write::{write_levels, write_points, write_with_attributes};
 use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::thin::Wanted;
 use std::fs::{self, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -29,14 +30,14 @@ pub fn read_file(path: &Path, format: Option<Format>) -> Result<Loaded> {
     read_named(&path.display().to_string(), &read_bytes(path)?, format, &Beside(path))
 }
 
-/// Reads a mesh file like [`read_file`], but keeps only about `wanted` points of a cloud that has many more.
-/// [`Loaded::thinned`] then says which. Binary PLY, LAS, XYZ and E57 are thinned without holding all points in memory. Files
-/// that cannot be thinned are read by [`read_file`].
+/// Reads a mesh file like [`read_file`], but of a cloud only the wanted points. [`Loaded::thinned`] then says which.
+/// Binary PLY, LAS, XYZ and E57 are thinned without holding all points in memory. Files that cannot be thinned are read by
+/// [`read_file`].
 ///
 /// # Errors
 /// Those of [`read_file`].
-pub fn read_at_most(path: &Path, format: Option<Format>, wanted: Option<usize>) -> Result<Loaded> {
-    let thinned = wanted.map_or(Ok(None), |wanted| read_thinned(path, format, wanted))?;
+pub fn read_wanted(path: &Path, format: Option<Format>, wanted: Wanted) -> Result<Loaded> {
+    let thinned = if wanted == Wanted::default() { None } else { read_thinned(path, format, wanted)? };
     thinned.map_or_else(|| read_file(path, format), Ok)
 }
 

@@ -6,6 +6,7 @@ use crate::io::disk::{file_error, read_error};
 use crate::io::format::Format;
 use crate::io::named::input_format;
 use crate::io::table::Packed;
+use crate::prepare::thin::{Levels, Wanted};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read as _, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -66,26 +67,39 @@ impl Opened {
         packed.count(&self.file).map_err(|error| self.locate(error))
     }
 
-    /// Passes the rows that `packed` yields from the file to `show`, in blocks of `full` bytes. The last block may be
-    /// shorter.
+    /// Passes the rows that `packed` yields of the wanted points to `show`, in blocks of consecutive points of at most `full`
+    /// bytes, with the number of the first of them. Returns the levels of detail by which they were chosen, if there are any.
     ///
     /// # Errors
     /// Those of `show`; errors of `packed` for a damaged file.
-    pub fn unpack(&self, packed: &dyn Packed, full: usize, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
+    pub fn unpack(
+        &self,
+        packed: &dyn Packed,
+        full: usize,
+        wanted: &Wanted,
+        show: &mut dyn FnMut(usize, &[u8]) -> Result<()>,
+    ) -> Result<Option<Levels>> {
         self.seek(0)?;
         let mut block = Vec::with_capacity(full);
-        packed
-            .unpack(&self.file, &mut |row| {
-                block.extend_from_slice(row);
-                if block.len() < full {
-                    return Ok(());
+        let (mut first, mut next) = (0, 0);
+        let levels = packed
+            .unpack_wanted(&self.file, wanted, &mut |number, row| {
+                if !block.is_empty() && (number != next || block.len() + row.len() > full) {
+                    show(first, &block)?;
+                    block.clear();
                 }
-                let shown = show(&block);
-                block.clear();
-                shown
+                if block.is_empty() {
+                    first = number;
+                }
+                block.extend_from_slice(row);
+                next = number + 1;
+                Ok(())
             })
             .map_err(|error| self.locate(error))?;
-        if block.is_empty() { Ok(()) } else { show(&block) }
+        if !block.is_empty() {
+            show(first, &block)?;
+        }
+        Ok(levels)
     }
 
     /// Fills `bytes` with the next bytes of the file.

@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Result};
 use crate::io::bytes::nowhere;
 use crate::io::content::Parsed;
-use crate::prepare::thin::Seen;
+use crate::prepare::thin::{Levels, Seen, Wanted};
 use std::fs::File;
 
 /// The points of a file, if they are rows of equal length or can be unpacked to such rows.
@@ -35,6 +35,21 @@ pub(crate) trait Packed: Sync {
     /// # Errors
     /// Those of `show`; an error with the place of the damage.
     fn unpack(&self, file: &File, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()>;
+
+    /// Passes rows with their numbers to `show`, in ascending order, where those of unwanted points may be missing. Returns
+    /// the levels of detail by which they were chosen, if there are any.
+    ///
+    /// # Errors
+    /// Those of [`Self::unpack`].
+    fn unpack_wanted(
+        &self,
+        file: &File,
+        _: &Wanted,
+        show: &mut dyn FnMut(usize, &[u8]) -> Result<()>,
+    ) -> Result<Option<Levels>> {
+        let mut numbers = 0..;
+        self.unpack(file, &mut |row| show(numbers.next().expect("numbers do not end"), row)).map(|()| None)
+    }
 }
 
 /// The faces of a file, which are rows of different lengths.

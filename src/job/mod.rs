@@ -16,5 +16,5 @@ pub use input::Input;
 pub use outcome::{Origin, Outcome};
 pub use points::{reconstruct, sample};
 pub use remesh::{Carry, RemeshOptions, quality, remesh, remesh_levels};
-pub use thinning::{of_use_for_remeshing, of_use_for_sampling};
+pub use thinning::{wanted_for_remeshing, wanted_for_sampling};
 pub use threads::with_threads;

@@ -61,10 +61,12 @@ pub struct Outcome {
 
 impl Outcome {
     /// Makes the outcome for the `mesh` of a cloud that was made piece by piece, with its attributes and the `wanted` number
-    /// of vertices. It has what can be measured on the mesh alone.
+    /// of vertices, and notes on the cloud. It has what can be measured on the mesh alone.
     #[cfg(feature = "fs")]
-    pub(super) fn of_pieces(mesh: Mesh, carried: Carried, wanted: Option<usize>) -> Outcome {
-        let report = Report::of_pieces(&mesh, &carried, wanted);
+    pub(super) fn of_pieces(mesh: Mesh, carried: Carried, wanted: Option<usize>, notes: Vec<String>) -> Outcome {
+        let mut report = Report::of_pieces(&mesh, &carried, wanted);
+        let warnings = report.run.notes.clone();
+        report.run.notes.splice(0..0, notes);
         Outcome {
             mesh,
             attributes: carried.attributes,
@@ -74,7 +76,7 @@ impl Outcome {
             of_points: None,
             shortcomings: report.faults(),
             notes: report.run.notes.clone(),
-            warnings: report.run.notes.clone(),
+            warnings,
             report: Some(report),
         }
     }

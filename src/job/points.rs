@@ -4,7 +4,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, Overall};
 use crate::base::parallel;
 use crate::job::input::Input;
-use crate::job::thinning::{note, of_use_for_sampling};
+use crate::job::thinning::wanted_for_sampling;
 use crate::mesh::attributes::Attribute;
 use crate::pipeline::{self, ReconstructOptions, Reconstructed, SampleOptions, Sampled, Signal, points_of_mesh};
 use crate::report::noise;
@@ -23,11 +23,18 @@ const RECONSTRUCTION: [(&str, f64); 3] = [("clean", 0.1), ("normals", 0.1), ("ex
 /// # Errors
 /// Those of [`remesh`](crate::remesh()).
 pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
+    options.validate()?;
     input.check()?;
-    let input = &*input.thinned_to(of_use_for_sampling(options));
+    if !input.is_cloud() {
+        options.refuse_box()?;
+    }
+    let input = &*input.thinned_to(wanted_for_sampling(options))?;
     let monitor = &Overall::new(monitor, &SAMPLING);
-    let signals: Result<Vec<Signal>> =
-        options.signals.iter().map(|signal| signal.resolved(input.attributes())).collect();
+    let resolved = |signal: &Signal| match input.thinning() {
+        Some(thinned) => signal.picked(&thinned.numbers, thinned.points)?.resolved(input.attributes()),
+        None => signal.resolved(input.attributes()),
+    };
+    let signals: Result<Vec<Signal>> = options.signals.iter().map(resolved).collect();
     let options = SampleOptions { signals: signals?, ..options.clone() };
     if !input.is_cloud() {
         return Ok(with_attributes(pipeline::sample(input.as_mesh(), &options, monitor)?, input));
@@ -39,7 +46,7 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
     if let Some(thinned) = input.thinning() {
         sampled.cloud.iter_mut().for_each(|cloud| cloud.thin(thinned));
         sampled.indices = sampled.indices.map(|points| input.numbers(points));
-        sampled.notes.insert(0, note(thinned));
+        sampled.notes.splice(0..0, thinned.notes());
     }
     Ok(sampled)
 }

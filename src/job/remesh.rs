@@ -4,14 +4,15 @@ use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, Overall, Part, check};
 use crate::job::input::Input;
 use crate::job::outcome::{Origin, Outcome};
-use crate::job::thinning::{note, of_use_for_remeshing};
+use crate::job::thinning::wanted_for_remeshing;
 use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::provenance::Origins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
-    CloudOptions, CloudSummary, Coverage, Density, Grading, LostComponents, Options, Remeshed, Remesher, Signal,
-    check_levels, mesh_of_cloud,
+    CloudOptions, CloudSummary, Coverage, Density, Grading, LostComponents, Options, Remeshed, Remesher, Selection,
+    Signal, check_levels, mesh_of_cloud,
 };
+use crate::prepare::thin::Thinned;
 use crate::report::{Report, left_out, noise, terrain};
 use crate::transfer::vertex::{Carried, carry};
 use glam::DVec3;
@@ -115,7 +116,7 @@ fn remesh_each(
 ) -> Result<()> {
     options.surface.validate()?;
     input.check()?;
-    let input = &*input.thinned_to(of_use_for_remeshing(&options.surface));
+    let input = &*input.thinned_to(wanted_for_remeshing(&options.surface))?;
     let of_triangles = if input.is_cloud() { 0 } else { input.as_mesh().positions.len() };
     options.surface.features.check(of_triangles)?;
     let plan = if input.is_cloud() { [&OF_POINTS[..], &OF_MESH].concat() } else { OF_MESH.to_vec() };
@@ -150,7 +151,7 @@ fn finished(
 ) -> Result<Outcome> {
     let mut carried = carried(surface, &mut remeshed, &options.carry, monitor)?;
     remeshed.notes.append(&mut carried.notes);
-    remeshed.notes.extend(surface.cloud.iter().filter_map(|cloud| cloud.thinned.clone()));
+    remeshed.notes.extend(surface.cloud.iter().flat_map(|cloud| cloud.thinned.clone()));
     let coverage = surface.cloud.as_ref().map(|cloud| cloud.coverage(&remeshed));
     coverage.iter().for_each(|coverage| remeshed.hold_against_points(coverage));
     let of_points = surface.cloud.as_ref().zip(coverage).map(|(Cloud { summary, .. }, coverage)| {
@@ -220,18 +221,23 @@ struct Cloud {
     positions: Vec<DVec3>,
     /// Their mean spacing.
     spacing: f64,
-    /// The note on points that are not used.
-    thinned: Option<String>,
+    /// Notes on points that are not used.
+    thinned: Vec<String>,
 }
 
 impl<'a> Surface<'a> {
     fn new(input: &'a Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Surface<'a>> {
-        let resolved = resolved(&options.surface, input.attributes())?;
+        let grading = match input.thinning() {
+            Some(thinned) => options.surface.grading.picked(&thinned.numbers, thinned.points)?,
+            None => options.surface.grading.clone(),
+        };
+        let resolved = resolved(&Options { grading, ..options.surface.clone() }, input.attributes())?;
         if !input.is_cloud() {
             let (input, attributes) = (input.as_mesh(), Cow::Borrowed(input.attributes()));
             return Ok(Surface { input, of_points: None, attributes, options: resolved, points: None, cloud: None });
         }
-        if let Some(part) = &options.surface.part {
+        // The points inside a box are the input by now.
+        if let Some(part) = options.surface.part.as_ref().filter(|part| !matches!(part, Selection::Box(..))) {
             let cause =
                 "the input has only points and no triangles, so there is no surface to keep outside the part".into();
             let remedy = "make a mesh of it first, by remeshing all of it".into();
@@ -252,13 +258,13 @@ impl<'a> Surface<'a> {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             input: input.as_mesh(),
             of_points: Some(Arc::new(made.mesh)),
-            options: Options { grading, smooth, of_points: true, ..resolved },
+            options: Options { grading, smooth, of_points: true, part: None, ..resolved },
             points: Some(input.numbers(made.source)),
             cloud: Some(Cloud {
                 summary: made.summary,
                 positions,
                 spacing: made.spacing,
-                thinned: input.thinning().map(note),
+                thinned: input.thinning().map(Thinned::notes).unwrap_or_default(),
             }),
         })
     }

@@ -25,7 +25,7 @@ pub struct RemeshSettings {
     /// Also determines the density, if nothing else does.
     pub sizing: Option<Values>,
     pub smooth: Option<f64>,
-    pub within: Option<Selection>,
+    pub within: Option<[[f64; 3]; 2]>,
     pub select: Option<Selection>,
     pub fill_holes: f64,
     pub terrain: Option<bool>,
@@ -45,6 +45,7 @@ pub struct SampleSettings {
     pub sigma_p: Option<f64>,
     pub sigma_n: f64,
     pub signals: Vec<Signal>,
+    pub within: Option<[[f64; 3]; 2]>,
     pub smooth: Option<f64>,
     pub normals: NormalSettings,
     pub scan_only: bool,
@@ -109,7 +110,7 @@ impl RemeshSettings {
             grading: grading(sizing, adapt, sigma_n, signals)?,
             smooth,
             of_points: false,
-            part: within.or(select),
+            part: within.map(|[lowest, highest]| Selection::Box(lowest, highest)).or(select),
             max_error,
             optimize,
             // Not a setting.
@@ -133,6 +134,7 @@ impl SampleSettings {
             sigma_p,
             sigma_n,
             signals,
+            within,
             smooth,
             normals,
             scan_only,
@@ -151,7 +153,7 @@ impl SampleSettings {
         }
         let cloud = normals.resolve(smooth)?;
         let density = given.ok_or_else(not_dense)?;
-        Ok(SampleOptions { density, sigma_n, signals, scan_only, levels, seed, sweeps, cloud })
+        Ok(SampleOptions { density, sigma_n, signals, within, scan_only, levels, seed, sweeps, cloud })
     }
 }
 
@@ -265,7 +267,7 @@ mod tests {
 
     #[test]
     fn of_two_settings_that_exclude_each_other_one_is_named() {
-        let (a, b) = (Some(Selection::Vertices(vec![])), Some(Selection::Vertices(vec![])));
+        let (a, b) = (Some([[0.0; 3], [1.0; 3]]), Some(Selection::Vertices(vec![])));
         let normals = NormalSettings { fit: None, neighbors: Some(9), radius: Some(1.0) };
         for (settings, option) in [
             (RemeshSettings { points: None, ..settings() }, Setting::Points),

@@ -1,9 +1,11 @@
-//! Determines how many points of a cloud a job can use, and thins a cloud to that many.
+//! Determines which points of a cloud a job can use, and leaves out the others.
 
+use crate::base::error::Result;
+use crate::geom::aabb::Aabb;
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{Density, Grading, Options, SampleDensity, SampleOptions, Signal, Values};
-use crate::prepare::thin::{Seen, Thinned, Thinner};
+use crate::pipeline::{Density, Grading, Options, SampleDensity, SampleOptions, Selection, Signal, Values};
+use crate::prepare::thin::{Seen, Thinned, Thinner, Wanted};
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -17,9 +19,26 @@ fn for_points(points: usize) -> usize {
     OF_VERTEX * points + OF_RESULT
 }
 
-/// Returns how many points of a cloud are useful for remeshing it; `None` if that is not known in advance, if each point has
-/// a value of its own, or if the result is measured against all points.
-pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
+/// Returns which points of a cloud are wanted for remeshing it: those inside the box of the part, and about as many as are
+/// useful. All may be useful, or each has a value of its own, or the result is measured against all of them.
+pub fn wanted_for_remeshing(options: &Options) -> Wanted {
+    let within = match options.part {
+        Some(Selection::Box(lowest, highest)) => Some(Aabb { lo: lowest.into(), hi: highest.into() }),
+        _ => None,
+    };
+    Wanted { points: of_use_for_remeshing(options), within }
+}
+
+/// Returns which points of a cloud are wanted for sampling it, like [`wanted_for_remeshing`].
+pub fn wanted_for_sampling(options: &SampleOptions) -> Wanted {
+    let points = match options.density {
+        SampleDensity::Points(points) if !has_given(&options.signals) => Some(for_points(points)),
+        _ => None,
+    };
+    Wanted { points, within: options.bounds() }
+}
+
+fn of_use_for_remeshing(options: &Options) -> Option<usize> {
     let is_given = match &options.grading {
         Grading::Field(values) => is_given(values),
         Grading::Kernel { signals, .. } => has_given(signals),
@@ -27,14 +46,6 @@ pub fn of_use_for_remeshing(options: &Options) -> Option<usize> {
     };
     match options.density {
         Density::Points(points) if !is_given && options.max_error.is_none() => Some(for_points(points)),
-        _ => None,
-    }
-}
-
-/// Like [`of_use_for_remeshing`], for sampling.
-pub fn of_use_for_sampling(options: &SampleOptions) -> Option<usize> {
-    match options.density {
-        SampleDensity::Points(points) if !has_given(&options.signals) => Some(for_points(points)),
         _ => None,
     }
 }
@@ -48,41 +59,31 @@ fn is_given(values: &Values) -> bool {
 }
 
 impl<'a> Input<'a> {
-    /// Returns a cloud with at most about `wanted` points; any other input, and one that was thinned before, as it is.
-    pub(super) fn thinned_to(&'a self, wanted: Option<usize>) -> Cow<'a, Input<'a>> {
+    /// Returns the wanted points of a cloud; any other input, and one that was thinned before, as it is.
+    ///
+    /// # Errors
+    /// [`Error::Option`](crate::Error::Option) if no point is inside the wanted box.
+    pub(super) fn thinned_to(&'a self, wanted: Wanted) -> Result<Cow<'a, Input<'a>>> {
         let (positions, attributes) = (&self.as_mesh().positions, self.attributes());
-        let Some(wanted) = wanted.filter(|&wanted| self.is_cloud() && wanted < positions.len()) else {
-            return Cow::Borrowed(self);
-        };
-        if self.thinning().is_some() {
-            return Cow::Borrowed(self);
+        if !self.is_cloud() || self.thinning().is_some() || wanted.is_all_of(positions.len()) {
+            return Ok(Cow::Borrowed(self));
         }
         let thinned = thinned(positions, &attributes.normals(), wanted);
+        thinned.refuse_empty(&wanted)?;
         let mesh =
             Mesh { positions: thinned.numbers.iter().map(|&p| positions[p as usize]).collect(), triangles: Vec::new() };
-        Cow::Owned(Input::thinned(mesh, attributes.of_vertices(&thinned.numbers), thinned))
+        Ok(Cow::Owned(Input::thinned(mesh, attributes.of_vertices(&thinned.numbers), thinned)))
     }
 }
 
-/// Chooses about `wanted` of the points at `positions`, with normals or without.
-fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: usize) -> Thinned {
+/// Chooses the wanted points among those at `positions`, with normals or without.
+fn thinned(positions: &[DVec3], normals: &[DVec3], wanted: Wanted) -> Thinned {
     let look = |row: &[u8]| {
         let point = row.first_chunk().map_or(0, |bytes| u32::from_ne_bytes(*bytes)) as usize;
         Seen { position: positions[point], normal: normals.get(point).copied().unwrap_or_default() }
     };
     let mut thinner = Thinner::new(wanted, size_of::<u32>(), look);
     let numbers: Vec<u32> = (0..positions.len() as u32).collect();
-    thinner.push(bytemuck::cast_slice(&numbers));
+    thinner.push(0, bytemuck::cast_slice(&numbers));
     thinner.finish().0
-}
-
-/// Returns the note on a cloud that was thinned.
-pub(super) fn note(thinned: &Thinned) -> String {
-    let Thinned { points, cell, numbers } = thinned;
-    let kept = numbers.len();
-    format!(
-        "{points} points are more than needed and were thinned to {kept}, one for each cell of width {cell:.4e}; each removed \
-         point is within {:.4e} of one that was kept",
-        thinned.reach()
-    )
 }

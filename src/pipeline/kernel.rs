@@ -32,6 +32,14 @@ impl Signal {
         Signal { values: self.values.of(points), sigma: self.sigma }
     }
 
+    /// Returns the signal at some of `all` points, at which values may be given.
+    ///
+    /// # Errors
+    /// [`Error::Option`] unless as many are given as there are points.
+    pub fn picked(&self, points: &[u32], all: usize) -> Result<Signal> {
+        Ok(Signal { values: self.values.picked(Setting::Signals, points, all)?, sigma: self.sigma })
+    }
+
     fn in_sigmas(&self) -> Vec<f64> {
         self.values.given().unwrap_or_default().iter().map(|value| value / self.sigma).collect()
     }

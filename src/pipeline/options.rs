@@ -199,6 +199,21 @@ impl Grading {
         }
     }
 
+    /// Returns the same grading for some of `all` points, at which values may be given.
+    ///
+    /// # Errors
+    /// [`Error::Option`] unless as many are given as there are points.
+    pub(crate) fn picked(&self, points: &[u32], all: usize) -> Result<Grading> {
+        Ok(match self {
+            Grading::Field(lengths) => Grading::Field(lengths.picked(Setting::Field, points, all)?),
+            Grading::Kernel { sigma_n, signals } => {
+                let signals: Result<Vec<Signal>> = signals.iter().map(|signal| signal.picked(points, all)).collect();
+                Grading::Kernel { sigma_n: *sigma_n, signals: signals? }
+            }
+            other => other.clone(),
+        })
+    }
+
     /// Refuses a field or a signal whose number of values differs from `vertices`.
     pub(crate) fn check(&self, vertices: usize) -> Result<()> {
         match self {

@@ -6,12 +6,12 @@ use crate::geom::aabb::Aabb;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::triangle_mesh::Mesh;
-use glam::DVec3;
 
 /// Part of the input that is remeshed: the triangles with all three corners in it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Selection {
     /// The inside of a box, including its faces, given by its lowest and its highest x, y and z, in the units of the input.
+    /// Of a cloud, only the points in it are used.
     Box([f64; 3], [f64; 3]),
     /// The vertices of the input that are marked.
     Vertices(Vec<bool>),
@@ -22,6 +22,16 @@ pub enum Selection {
         /// Value that marks a vertex; `None` for any but zero.
         value: Option<f64>,
     },
+}
+
+/// Refuses a box whose lowest x, y and z are not below its highest.
+pub(super) fn check_box(lowest: &[f64; 3], highest: &[f64; 3]) -> Result<()> {
+    let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
+    wrong.map_or(Ok(()), |k| {
+        let cause = format!("it goes from {} to {} along {}", lowest[k], highest[k], ["x", "y", "z"][k]);
+        let remedy = "give the lowest x, y and z, then the highest".into();
+        Err(Error::Option { option: Setting::PartBox, cause, remedy })
+    })
 }
 
 impl Selection {
@@ -46,12 +56,10 @@ impl Selection {
 
     /// Refuses a selection that is empty for every input.
     pub(super) fn validate(&self) -> Result<()> {
-        let Selection::Box(lowest, highest) = self else { return Ok(()) };
-        let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
-        wrong.map_or(Ok(()), |k| {
-            let cause = format!("it goes from {} to {} along {}", lowest[k], highest[k], ["x", "y", "z"][k]);
-            self.refuse(cause, "give the lowest x, y and z, then the highest")
-        })
+        match self {
+            Selection::Box(lowest, highest) => check_box(lowest, highest),
+            _ => Ok(()),
+        }
     }
 
     /// Refuses marks whose number differs from `vertices`.
@@ -74,8 +82,8 @@ impl Selection {
     pub(super) fn triangles(&self, repaired: &OrientedManifold) -> Vec<bool> {
         let inside: Vec<bool> = match self {
             Selection::Box(lowest, highest) => {
-                let (lowest, highest) = (DVec3::from(*lowest), DVec3::from(*highest));
-                repaired.positions.iter().map(|p| p.cmpge(lowest).all() && p.cmple(highest).all()).collect()
+                let part = Aabb { lo: (*lowest).into(), hi: (*highest).into() };
+                repaired.positions.iter().map(|p| part.contains(*p)).collect()
             }
             Selection::Vertices(selected) => repaired.provenance().marks(selected),
             Selection::Marked { .. } => vec![false; repaired.positions.len()],

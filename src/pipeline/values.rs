@@ -33,6 +33,17 @@ impl Values {
         }
     }
 
+    /// Returns the values of some of `all` points; those of an attribute are looked up later.
+    ///
+    /// # Errors
+    /// [`Error::Option`] unless as many are given as there are points.
+    pub(super) fn picked(&self, option: Setting, points: &[u32], all: usize) -> Result<Values> {
+        if self.given().is_some() {
+            self.check(option, all)?;
+        }
+        Ok(self.of(points))
+    }
+
     /// Returns the numbers, if they are given.
     pub(super) fn given(&self) -> Option<&[f64]> {
         match self {

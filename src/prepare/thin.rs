@@ -13,6 +13,7 @@
 //!
 //! Limits: isolated points are alone in their cells and stay, so their share grows.
 
+use crate::base::error::{Error, Result, Setting};
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use glam::DVec3;
@@ -54,18 +55,97 @@ pub struct Seen {
     pub normal: DVec3,
 }
 
+/// Which points of a cloud are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wanted {
+    /// Approximate maximum number of points; `None` for any number.
+    pub points: Option<usize>,
+    /// Only those inside this box or on its faces; `None` for those anywhere.
+    pub within: Option<Aabb>,
+}
+
+impl Wanted {
+    /// Returns whether all of `points` points are wanted, wherever they are.
+    pub fn is_all_of(&self, points: usize) -> bool {
+        self.within.is_none() && self.points.is_none_or(|most| points <= most)
+    }
+
+    /// Returns whether the place of a point is in the box.
+    pub fn contains(&self, position: DVec3) -> bool {
+        self.within.is_none_or(|within| within.contains(position))
+    }
+}
+
 /// The points kept of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thinned {
     /// Number of points of the whole cloud.
     pub points: usize,
-    /// Width of the cells that keep one point each, in the units of the points; 0 if all points were kept.
+    /// Levels of detail by which the points were read, if the cloud has any.
+    pub levels: Option<Levels>,
+    /// Number of these points that are inside the wanted box; all of them if there is no box.
+    pub inside: usize,
+    /// Bounding box of the points that were read; `None` if there were none.
+    pub bounds: Option<Aabb>,
+    /// Width of the cells that keep one point each, in the units of the points; 0 if all points inside were kept.
     pub cell: f64,
     /// Numbers of the kept points, in ascending order.
     pub numbers: Vec<u32>,
 }
 
+/// Levels of detail of a cloud, of which each adds points between those of coarser ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Levels {
+    /// Number of levels that were read, the coarsest ones.
+    pub read: usize,
+    /// Number of levels of the cloud.
+    pub all: usize,
+    /// Number of points that were read.
+    pub points: usize,
+}
+
 impl Thinned {
+    /// Returns the number of points that were read and are outside the wanted box.
+    pub fn outside(&self) -> usize {
+        self.levels.map_or(self.points, |levels| levels.points) - self.inside
+    }
+
+    /// Returns notes on the points that were left out.
+    pub fn notes(&self) -> Vec<String> {
+        let Thinned { points, levels, inside, cell, numbers, .. } = self;
+        let kept = numbers.len();
+        let levels = levels.filter(|levels| levels.read < levels.all);
+        let of_levels = levels.map(|Levels { read, all, points: read_points }| {
+            format!(
+                "the {read} coarsest of {all} levels of the file were read: they have {read_points} of its {points} points"
+            )
+        });
+        let read = levels.map_or(*points, |levels| levels.points);
+        let of_box = (self.outside() > 0)
+            .then(|| format!("{inside} of {read} points are inside the box; the others were left out"));
+        let of_cells = (*cell > 0.0).then(|| {
+            format!(
+                "{inside} points are more than needed and were thinned to {kept}, one for each cell of width {cell:.4e}; each \
+                 removed point is within {:.4e} of one that was kept",
+                self.reach()
+            )
+        });
+        [of_levels, of_box, of_cells].into_iter().flatten().collect()
+    }
+
+    /// Refuses a box that contains no points.
+    ///
+    /// # Errors
+    /// [`Error::Option`] with the box and that of the points.
+    pub fn refuse_empty(&self, wanted: &Wanted) -> Result<()> {
+        let Some(within) = wanted.within.filter(|_| self.inside == 0 && self.points > 0) else { return Ok(()) };
+        let list = |Aabb { lo, hi }: Aabb| [lo, hi].map(|p| p.to_array().map(|x| x.to_string()).join(",")).join(",");
+        let theirs =
+            self.bounds.map_or(String::new(), |bounds| format!(": those that were read are within {}", list(bounds)));
+        let cause = format!("none of the {} points is inside {}{theirs}", self.points, list(within));
+        Err(Error::Option { option: Setting::PartBox, cause, remedy: "give a larger box, or another one".into() })
+    }
+
     /// Returns an upper bound on the distance from a dropped point to a kept one: two cell diagonals, one for the last
     /// lattice and one for those before it.
     pub fn reach(&self) -> f64 {
@@ -75,9 +155,13 @@ impl Thinned {
 
 /// Thins a cloud that arrives row by row.
 pub struct Thinner<L> {
-    wanted: usize,
+    /// Approximate maximum number of points.
+    most: usize,
+    wanted: Wanted,
     look: L,
     seen: usize,
+    inside: usize,
+    bounds: Aabb,
     kept: Rows,
     lattice: Option<Lattice>,
 }
@@ -105,55 +189,64 @@ struct Slot {
 }
 
 impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
-    /// Makes a thinner that keeps at most about `wanted` points of a cloud whose rows have `width` bytes; `look` reads a
-    /// row.
-    pub fn new(wanted: usize, width: usize, look: L) -> Self {
+    /// Makes a thinner that keeps the wanted points of a cloud whose rows have `width` bytes; `look` reads a row.
+    pub fn new(wanted: Wanted, width: usize, look: L) -> Self {
         let kept = Rows { width, bytes: Vec::new(), numbers: Vec::new() };
-        Thinner { wanted, look, seen: 0, kept, lattice: None }
+        // Numbers of points are below 2^32.
+        let most = wanted.points.unwrap_or(usize::MAX / ROOM);
+        Thinner { most, wanted, look, seen: 0, inside: 0, bounds: Aabb::EMPTY, kept, lattice: None }
     }
 
-    /// Adds the next points, as consecutive rows. Their total number must be below 2^32.
-    pub fn push(&mut self, rows: &[u8]) {
+    /// Adds points as consecutive rows. The first one has the number `first`, which must be above all numbers before; all
+    /// numbers must be below 2^32.
+    pub fn push(&mut self, first: usize, rows: &[u8]) {
         let width = self.kept.width;
         let look = |i: usize| (self.look)(&rows[width * i..width * (i + 1)]);
         let all_seen = parallel::map(0..rows.len() / width, look);
-        for (rows, all_seen) in rows.chunks(BATCH * width).zip(all_seen.chunks(BATCH)) {
+        self.seen += all_seen.len();
+        let batches = rows.chunks(BATCH * width).zip(all_seen.chunks(BATCH)).zip((first..).step_by(BATCH));
+        for ((rows, all_seen), first) in batches {
             if let Some(lattice) = &self.lattice {
                 lattice.warm(&self.kept, all_seen);
             }
-            rows.chunks_exact(width).zip(all_seen).for_each(|(row, &seen)| self.push_one(row, seen));
+            for ((row, &seen), number) in rows.chunks_exact(width).zip(all_seen).zip(first..) {
+                self.bounds = self.bounds.join(&Aabb::at(seen.position));
+                if self.wanted.contains(seen.position) {
+                    self.inside += 1;
+                    self.push_one(row, seen, number as u32);
+                }
+            }
         }
     }
 
-    fn push_one(&mut self, row: &[u8], seen: Seen) {
-        let number = self.seen as u32;
-        self.seen += 1;
+    fn push_one(&mut self, row: &[u8], seen: Seen, number: u32) {
         match &mut self.lattice {
             None => self.kept.put(self.kept.numbers.len(), row, number),
             Some(lattice) => lattice.offer(&mut self.kept, row, seen, number, &self.look),
         }
-        if self.kept.numbers.len() > ROOM * self.wanted {
+        if self.kept.numbers.len() > ROOM * self.most {
             let width = self.wider();
-            self.bin(width, ROOM * self.wanted);
+            self.bin(width, ROOM * self.most);
         }
     }
 
     /// Returns the kept points and their rows, in input order.
     pub fn finish(mut self) -> (Thinned, Vec<u8>) {
         let mut cell = 0.0;
-        if self.kept.numbers.len() > self.wanted {
+        if self.kept.numbers.len() > self.most {
             cell = self.last_width();
             let room = self.kept.numbers.len();
             self.bin(cell, room);
         }
         self.lattice = None;
         let (numbers, rows) = self.kept.in_order();
-        (Thinned { points: self.seen, cell, numbers }, rows)
+        let bounds = (self.seen > 0).then_some(self.bounds);
+        (Thinned { points: self.seen, levels: None, inside: self.inside, bounds, cell, numbers }, rows)
     }
 
     /// Returns the width of the next lattice: the smallest one, by doubling, that leaves room for more points.
     fn wider(&self) -> f64 {
-        let most = (FILLED * (ROOM * self.wanted) as f64) as usize;
+        let most = (FILLED * (ROOM * self.most) as f64) as usize;
         let mut width = match &self.lattice {
             Some(lattice) => 2.0 * lattice.width,
             None => {
@@ -175,12 +268,12 @@ impl<L: Fn(&[u8]) -> Seen + Sync> Thinner<L> {
     fn first_width(&self) -> f64 {
         let places = (0..self.kept.numbers.len()).map(|i| (self.look)(self.kept.row(i)).position);
         let extent = Aabb::of(places).unwrap_or_default().size().max_element();
-        if extent > 0.0 { power_of_two(extent / (self.wanted.max(1) as f64).sqrt()) } else { UNKNOWN }
+        if extent > 0.0 { power_of_two(extent / (self.most.max(1) as f64).sqrt()) } else { UNKNOWN }
     }
 
     /// Returns the cell width at which about the wanted number of cells, and hardly more, contain points.
     fn last_width(&self) -> f64 {
-        let most = self.wanted;
+        let most = self.most;
         let mut width = self.lattice.as_ref().map_or_else(|| self.first_width(), |lattice| lattice.width);
         let (mut too_narrow, mut wide) = (0.0, f64::INFINITY);
         for _ in 0..TRIES {
@@ -363,8 +456,9 @@ mod tests {
     }
 
     fn thinned(wanted: usize, rows: &[u8], block: usize) -> (Thinned, Vec<u8>) {
+        let wanted = Wanted { points: Some(wanted), within: None };
         let mut thinner = Thinner::new(wanted, 48, look);
-        rows.chunks(48 * block).for_each(|rows| thinner.push(rows));
+        rows.chunks(48 * block).zip((0..).step_by(block)).for_each(|(rows, first)| thinner.push(first, rows));
         thinner.finish()
     }
 
@@ -382,7 +476,8 @@ mod tests {
     fn no_more_points_than_wanted_stay_all() {
         let points = saddle(500);
         let (kept, rows) = thinned(500, &rows(&points, DVec3::Z), 7);
-        assert!(kept == Thinned { points: 500, cell: 0.0, numbers: (0..500).collect() });
+        assert_eq!((kept.points, kept.inside, kept.cell), (500, 500, 0.0));
+        assert!(kept.numbers == (0..500).collect::<Vec<u32>>() && kept.bounds == Aabb::of(points.iter().copied()));
         assert!(rows == super::tests::rows(&points, DVec3::Z));
     }
 

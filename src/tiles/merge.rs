@@ -31,7 +31,8 @@ pub fn merge(folder: &TileFolder, monitor: &dyn Monitor) -> Result<Sampled> {
     if let Some(wanted) = plan.wanted.filter(|&wanted| wanted < all.len()) {
         all = most_important(&all, plan.sampling.sigma, wanted);
     }
-    let mut notes = count_notes(all.len(), plan.points, plan.wanted);
+    let mut notes = plan.notes.clone();
+    notes.extend(count_notes(all.len(), plan.points, plan.wanted));
     notes.push(format!("sampled in {}", counted(plan.tiles.len(), "tile", "tiles")));
     let is_subset = plan.sampling.sweeps.is_none();
     let points = Points::from_pairs(all.iter().map(|sample| (sample.position, sample.normal)));

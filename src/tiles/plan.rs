@@ -43,6 +43,8 @@ pub struct Plan {
     /// Format of the file that the rows come from, and its length.
     pub(super) format: Format,
     pub(super) length: u64,
+    /// Notes on the points of the file that were left out.
+    pub(crate) notes: Vec<String>,
     /// Where the points are stored, in the order of their buckets.
     pub(super) chunks: Vec<Chunk>,
 }

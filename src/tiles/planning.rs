@@ -14,6 +14,7 @@ use crate::pipeline::{
     count_in_tile, survey, volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
+use crate::prepare::thin::{Thinned, Wanted};
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::lattice::{BlockBox, place_of};
 use crate::spectral::measure::RADIUS;
@@ -30,6 +31,9 @@ const OUTLINE: usize = 100_000;
 
 /// Factor by which blocks are wider than the first guess of the kernel width requires, so that the kernel may grow.
 const ROOM: f64 = 1.1;
+
+/// Number of points per sample that suffice.
+const OF_SAMPLE: usize = 3;
 
 /// Before all points are scanned, about this many samples are counted, in at most this many rounds, until the count is this
 /// close to the wanted one.
@@ -67,9 +71,10 @@ pub fn make_plan(
     let file = PointFile::open(input, format)?.ok_or_else(|| not_in_pieces(input))?;
     folder.forget()?;
     monitor.stage("read");
+    let wanted = wanted(&options.sample);
     let name = input.display().to_string();
     let Survey { outline, is_sided, is_thick, sigma } =
-        survey(&some_points(&file)?, *density, cloud, *seed, &OfTile(monitor)).map_err(|e| e.in_file(&name))?;
+        survey(&some_points(&file, wanted)?, *density, cloud, *seed, &OfTile(monitor)).map_err(|e| e.in_file(&name))?;
     check(monitor)?;
     let sampling = TileOptions {
         sigma,
@@ -80,16 +85,13 @@ pub fn make_plan(
         is_sided,
     };
     monitor.stage("sort");
-    let (chunks, points) = sorted(&file, folder, sampling.block(), monitor)?;
-    let wanted = match *density {
-        SampleDensity::Points(wanted) => Some(wanted),
-        _ => None,
-    };
+    let (chunks, sorted) = sorted(&file, wanted, folder, sampling.block(), monitor)?;
     let Opened { format, head, length, .. } = file.file;
     let mut plan = Plan {
         input: name,
-        points,
-        wanted,
+        points: sorted.inside,
+        notes: sorted.notes(),
+        wanted: wanted_samples(*density),
         is_thick,
         sampling,
         tiles: vec![],
@@ -142,9 +144,24 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
     Ok(())
 }
 
-/// Returns some points of a file, spread over all of it.
-fn some_points(file: &PointFile) -> Result<Points> {
-    let (_, rows) = file.thinned(OUTLINE)?;
+/// Returns the number of samples that are wanted, if that is given.
+fn wanted_samples(density: SampleDensity) -> Option<usize> {
+    match density {
+        SampleDensity::Points(wanted) => Some(wanted),
+        _ => None,
+    }
+}
+
+/// Returns which points of a file are wanted: of one with levels of detail, the coarser ones suffice.
+fn wanted(sample: &SampleOptions) -> Wanted {
+    Wanted { points: wanted_samples(sample.density).map(|samples| OF_SAMPLE * samples), within: sample.bounds() }
+}
+
+/// Returns some points of a file, spread over all that are wanted.
+fn some_points(file: &PointFile, wanted: Wanted) -> Result<Points> {
+    let wanted = Wanted { points: Some(OUTLINE), ..wanted };
+    let (thinned, rows) = file.thinned(wanted)?;
+    thinned.refuse_empty(&wanted)?;
     let table = &file.table;
     let seen = || rows.chunks_exact(table.row).map(|row| table.rows.look(row));
     let normals: Vec<DVec3> = seen().map(|s| s.normal).collect();
@@ -152,21 +169,31 @@ fn some_points(file: &PointFile) -> Result<Points> {
     Points::new(seen().map(|s| s.position).collect(), if has_normals { normals } else { Vec::new() })
 }
 
-/// Writes the points of a file to the folder, sorted by bucket. Returns their chunks and their number.
-fn sorted(file: &PointFile, folder: &TileFolder, block: f64, monitor: &dyn Monitor) -> Result<(Vec<Chunk>, usize)> {
+/// Writes the wanted points of a file to the folder, sorted by bucket. Returns their chunks, and what was left out.
+fn sorted(
+    file: &PointFile,
+    wanted: Wanted,
+    folder: &TileFolder,
+    block: f64,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Chunk>, Thinned)> {
     let mut spill = SpillWriter::create(&folder.points())?;
-    let (row, mut number) = (file.table.row, 0u32);
-    file.read(&mut |rows| {
+    let (mut points, mut inside) = (0, 0);
+    let levels = file.read(&wanted, &mut |first, rows| {
         check(monitor)?;
-        for row in rows.chunks_exact(row) {
+        for (row, number) in rows.chunks_exact(file.table.row).zip(first as u32..) {
             let place = file.table.rows.look(row).position;
-            spill.push(bucket_of(place_of(place, block)).to_array(), &number.to_le_bytes(), row)?;
-            number += 1;
+            if wanted.contains(place) {
+                spill.push(bucket_of(place_of(place, block)).to_array(), &number.to_le_bytes(), row)?;
+                inside += 1;
+            }
         }
-        monitor.progress(f64::from(number) / file.table.points as f64);
+        points = first + rows.len() / file.table.row;
+        monitor.progress(first as f64 / file.table.points as f64);
         Ok(())
     })?;
-    Ok((spill.finish()?, number as usize))
+    let points = if levels.is_some() { file.table.points } else { points };
+    Ok((spill.finish()?, Thinned { points, levels, inside, bounds: None, cell: 0.0, numbers: Vec::new() }))
 }
 
 /// Finds the kernel width by scanning some of the buckets, and whether there is noise.

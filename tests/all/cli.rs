@@ -372,7 +372,9 @@ fn a_part_is_remeshed_and_the_rest_comes_through() {
     run(path, "graded.ply c.off --select h=7 --points 60").failed(2, &["select: ", "0 of 6 vertices"]);
     run(path, "graded.ply c.off --select red --points 60").failed(1, &["graded.ply: ", "no property 'red'"]);
     run(path, "graded.ply c.off --select h --points 60 --smooth").failed(2, &["smooth: "]);
-    run(path, "points.off c.off --within 0,0,0,1,1,1 --points 60").failed(2, &["within: ", "points and no triangles"]);
+    run(path, "points.off c.off --select h --points 60").failed(1, &["points.off: ", "no property 'h'"]);
+    run(path, "points.off c.off --within 9,9,9,10,10,10 --points 60").failed(2, &["within: none of the "]);
+    run(path, "sample points.off c.off --within 9,9,9,10,10,10 --points 60").failed(2, &["within: none of the "]);
     assert!(!path.join("c.off").exists());
 }
 

@@ -1,10 +1,13 @@
 //! Clouds with more points than are useful: which of them are kept, for any order of the points.
 
 use glam::{DVec3, dvec3};
-use spectral_remesh::io::file::{read_at_most, read_file, write_points_file};
+use spectral_remesh::io::file::{read_file, read_wanted, write_points_file};
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
+use spectral_remesh::stages::geom::aabb::Aabb;
+use spectral_remesh::stages::prepare::thin::Wanted;
 use spectral_remesh::{
-    Attribute, Attributes, Input, Points, SampleDensity, SampleOptions, Scalar, sample, with_threads,
+    Attribute, Attributes, Grading, Input, Options, Origin, Points, SampleDensity, SampleOptions, Scalar, Selection,
+    Values, remesh, sample, with_threads,
 };
 use std::f64::consts::TAU;
 use std::fs;
@@ -33,26 +36,31 @@ fn file(count: usize) -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
+/// At most about this many points.
+fn most(points: usize) -> Wanted {
+    Wanted { points: Some(points), within: None }
+}
+
 #[test]
 fn what_is_kept_of_a_file_are_points_of_it_with_all_that_they_have() {
     let (_folder, path) = file(30_000);
     let all = read_file(&path, None).unwrap();
-    let some = read_at_most(&path, None, Some(1000)).unwrap();
+    let some = read_wanted(&path, None, most(1000)).unwrap();
     let thinned = some.thinned.unwrap();
     let kept = &thinned.numbers;
     assert!(thinned.points == 30_000 && (700..=1000).contains(&kept.len()), "{}", kept.len());
     let of_all: Vec<DVec3> = kept.iter().map(|&p| all.mesh.positions[p as usize]).collect();
     assert!(some.mesh.positions == of_all && some.attributes == all.attributes.of_vertices(kept));
     assert!(all.attributes.vertex.len() == 2 && some.notes == all.notes);
-    for wanted in [None, Some(30_000)] {
-        assert!(read_at_most(&path, None, wanted).unwrap() == all, "{wanted:?}");
+    for wanted in [Wanted::default(), most(30_000)] {
+        assert!(read_wanted(&path, None, wanted).unwrap() == all, "{wanted:?}");
     }
     let text = path.with_extension("xyz");
     let (points, attributes) = torus(30_000);
     write_points_file(&text, &points, &attributes, None).unwrap();
-    let of_text = read_at_most(&text, None, Some(1000)).unwrap();
+    let of_text = read_wanted(&text, None, most(1000)).unwrap();
     assert!(of_text.thinned.unwrap().numbers == *kept && of_text.mesh == some.mesh);
-    assert!(read_at_most(&text, None, Some(30_000)).unwrap().thinned.is_none());
+    assert!(read_wanted(&text, None, most(30_000)).unwrap().thinned.is_none());
 }
 
 #[test]
@@ -61,7 +69,8 @@ fn a_file_that_is_cut_short_or_has_a_point_nowhere_is_told_as_ever() {
     let bytes = fs::read(&path).unwrap();
     let message = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
-        let [all, some] = [None, Some(100)].map(|wanted| read_at_most(&path, None, wanted).unwrap_err().to_string());
+        let [all, some] =
+            [Wanted::default(), most(100)].map(|wanted| read_wanted(&path, None, wanted).unwrap_err().to_string());
         assert_eq!(all, some);
         all
     };
@@ -92,6 +101,64 @@ fn samples_of_a_dense_cloud_are_points_of_it_and_the_same_from_a_file_and_with_a
     let labels: Vec<f64> = numbers.iter().map(|&p| f64::from(p % 251)).collect();
     assert_eq!(one.attributes().get("label").map(|label| &label.values), Some(&labels));
     assert!(sampled(&Input::from(&all), 2) == one);
-    let some = read_at_most(&path, None, Some(3 * 200 + 300_000)).unwrap();
+    let some = read_wanted(&path, None, most(3 * 200 + 300_000)).unwrap();
     assert!(some.thinned.is_some() && sampled(&Input::from(&some), 2) == one);
+}
+
+/// All points in this box.
+fn in_box([lowest, highest]: [[f64; 3]; 2]) -> Wanted {
+    Wanted { points: None, within: Some(Aabb { lo: lowest.into(), hi: highest.into() }) }
+}
+
+/// A box that contains a quarter of the torus.
+const BOX: [[f64; 3]; 2] = [[-9.0, 0.0, -9.0], [0.0, 9.0, 9.0]];
+
+#[test]
+fn of_a_cloud_only_the_points_in_a_box_are_remeshed() {
+    let (_folder, path) = file(6000);
+    let all = read_file(&path, None).unwrap();
+    let [lowest, highest] = BOX;
+    let part = Some(Selection::Box(lowest, highest));
+    // Values are given for all points.
+    let lengths = Grading::Field(Values::Given(vec![0.3; 6000]));
+    let surface = Options { part, grading: lengths, ..Options::points(300) };
+    let of_all = remesh(&Input::from(&all), &surface.clone().into(), &()).unwrap();
+    assert!(of_all.notes[0].contains("of 6000 points are inside the box"), "{:?}", of_all.notes);
+    assert!(of_all.mesh.positions.iter().all(|p| p.x < 0.2 && p.y > -0.2));
+    let some = read_wanted(&path, None, in_box(BOX)).unwrap();
+    assert!(some.mesh.positions.iter().all(|p| p.x <= 0.0 && p.y >= 0.0) && some.mesh.positions.len() > 1000);
+    let of_some = remesh(&Input::from(&some), &surface.into(), &()).unwrap();
+    assert!(of_some.mesh == of_all.mesh && of_some.origins == of_all.origins && of_some.notes == of_all.notes);
+    // Origins are numbers of points of the file.
+    let place =
+        |origin: &Origin| (0..3).map(|k| origin.weights[k] * all.mesh.positions[origin.vertices[k] as usize]).sum();
+    let strays = of_all.origins.iter().zip(&of_all.mesh.positions).filter(|(o, p)| p.distance(place(o)) > 0.2).count();
+    assert_eq!(strays, 0);
+    let options = |points| SampleOptions {
+        density: SampleDensity::Points(points),
+        within: Some(BOX),
+        scan_only: true,
+        ..SampleOptions::default()
+    };
+    let sampled = sample(&Input::from(&all), &options(100), &()).unwrap();
+    let of_file = |&p: &u32| all.mesh.positions[p as usize];
+    assert!(sampled.indices.unwrap().iter().map(of_file).eq(sampled.points.positions().iter().copied()));
+}
+
+#[test]
+fn a_box_without_points_and_a_box_for_a_mesh_are_one_line() {
+    let (_folder, path) = file(3000);
+    let all = read_file(&path, None).unwrap();
+    let part = Some(Selection::Box([9.0; 3], [10.0; 3]));
+    let surface = Options { part, ..Options::points(300) };
+    let of_file = read_wanted(&path, None, in_box([[9.0; 3], [10.0; 3]])).unwrap_err().to_string();
+    let of_all = remesh(&Input::from(&all), &surface.into(), &()).unwrap_err().to_string();
+    for message in [of_file, of_all] {
+        assert!(message.contains("none of the 3000 points is inside 9,9,9,10,10,10: those"), "{message}");
+    }
+    let mesh = Input::mesh(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+    let options = SampleOptions { within: Some(BOX), ..SampleOptions::default() };
+    assert!(sample(&mesh, &options, &()).unwrap_err().to_string().contains("the input is a mesh"));
+    let upside_down = SampleOptions { within: Some([[1.0; 3], [0.0; 3]]), ..SampleOptions::default() };
+    assert!(sample(&Input::from(&all), &upside_down, &()).unwrap_err().to_string().contains("from 1 to 0 along x"));
 }

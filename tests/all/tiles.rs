@@ -96,6 +96,23 @@ fn any_tiling_gives_the_same_samples_on_any_number_of_threads() {
 }
 
 #[test]
+fn tiles_in_a_box_are_of_the_points_in_it() {
+    let (_folder, path) = cloud(30_000, true);
+    let all = read_file(&path, None).unwrap().mesh.positions;
+    let mut options = options(1000, 2);
+    let within = Some([[-9.0, 0.5, -9.0], [9.0, 9.0, 9.0]]);
+    options.sample = SampleOptions { within, scan_only: true, ..options.sample };
+    let (sampled, _) = tiled(&path, &options);
+    let (samples, numbers) = (sampled.points.positions(), sampled.indices.unwrap());
+    assert!(samples.len() == 1000 && samples.iter().all(|p| p.y >= 0.5));
+    assert!(numbers.iter().zip(samples).all(|(&number, p)| all[number as usize] == *p));
+    options.sample.within = Some([[0.5; 3], [0.6; 3]]);
+    let work = tempfile::tempdir().unwrap();
+    let failed = make_plan(&path, None, &TileFolder::at(work.path()).unwrap(), &options, &()).unwrap_err().to_string();
+    assert!(failed.contains("none of the 30000 points is inside 0.5,0.5,0.5,0.6,0.6,0.6"), "{failed}");
+}
+
+#[test]
 #[ignore = "slow"]
 fn any_tiling_gives_the_same_sound_mesh() {
     let (_folder, path) = stretched(80_000, true, 6.0);

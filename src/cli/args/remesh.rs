@@ -75,10 +75,10 @@ pub(super) struct RemeshArgs {
     terrain: Option<bool>,
     #[command(flatten)]
     normals: NormalArgs,
-    /// Remesh only what is inside this box, in the units of the input; the rest is kept bit for bit. --points then
-    /// counts the vertices strictly inside the part, not those on its interface with the rest
+    /// Remesh only what is inside this box, in the units of the input. The rest of a mesh is kept bit for bit, and --points
+    /// counts the vertices strictly inside the part, not those on its interface with the rest; the rest of a cloud is left out
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
-    within: Option<Selection>,
+    within: Option<[[f64; 3]; 2]>,
     /// Remesh only the triangles with this vertex property of the input non-zero, or equal to VALUE, at all corners; otherwise
     /// as --within
     #[arg(long, value_name = "PROPERTY[=VALUE]", conflicts_with = "within", value_parser = mark)]

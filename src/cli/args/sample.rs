@@ -2,7 +2,7 @@
 
 use crate::cli::args::shared::{MemoryArgs, MeshFile, NormalArgs, Run, RunArgs, support_help};
 use crate::cli::args::stop::{Stop, refused};
-use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples};
+use crate::cli::args::words::{PropertyWidth, no_density, property_width, samples, within};
 use crate::io::Format;
 use crate::job::large::OutOfCore;
 use crate::job::settings::{NormalSettings, SampleSettings};
@@ -66,6 +66,9 @@ pub(super) struct EvenArgs {
     sigma_p: Option<f64>,
     #[arg(long, value_name = "W", allow_negative_numbers = true, conflicts_with = "scan_only", help = support_help())]
     smooth: Option<f64>,
+    /// Use only the points of a cloud inside this box, in the units of the input
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = within)]
+    within: Option<[[f64; 3]; 2]>,
     /// Take a subset of the input's points, using only the linear scan
     #[arg(long)]
     scan_only: bool,
@@ -80,7 +83,7 @@ pub(super) struct EvenArgs {
 impl EvenArgs {
     /// Returns these settings, and defaults for all others.
     pub(super) fn settings(self) -> Result<SampleSettings, Stop> {
-        let EvenArgs { points, edge_length, sigma_p, smooth, scan_only, seed, sweeps } = self;
+        let EvenArgs { points, edge_length, sigma_p, smooth, within, scan_only, seed, sweeps } = self;
         if points.is_none() && edge_length.is_none() && sigma_p.is_none() {
             return Err(no_density());
         }
@@ -90,6 +93,7 @@ impl EvenArgs {
             sigma_p,
             sigma_n: SampleOptions::default().sigma_n,
             signals: Vec::new(),
+            within,
             smooth,
             normals: NormalSettings::default(),
             scan_only,

@@ -94,7 +94,7 @@ pub(super) struct PlanArgs {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tiling {
     /// Make a plan.
-    Plan(Planning),
+    Plan(Box<Planning>),
     /// Sample the tiles with these numbers, or all that have not been sampled yet.
     Sample {
         /// The folder of the plan.
@@ -147,10 +147,8 @@ impl Tiling {
     /// Returns the settings of the run.
     pub fn run(&self) -> &Run {
         match self {
-            Tiling::Plan(Planning { run, .. })
-            | Tiling::Sample { run, .. }
-            | Tiling::Mesh { run, .. }
-            | Tiling::Merge { run, .. } => run,
+            Tiling::Plan(plan) => &plan.run,
+            Tiling::Sample { run, .. } | Tiling::Mesh { run, .. } | Tiling::Merge { run, .. } => run,
         }
     }
 }
@@ -158,7 +156,7 @@ impl Tiling {
 impl TilesArgs {
     pub(super) fn resolve(self) -> Result<Tiling, Stop> {
         Ok(match self {
-            TilesArgs::Plan(args) => Tiling::Plan(args.resolve()?),
+            TilesArgs::Plan(args) => Tiling::Plan(Box::new(args.resolve()?)),
             TilesArgs::Sample { folder, numbers, run } => {
                 Tiling::Sample { folder, numbers, run: Run::from(run).without_page("tiles")? }
             }

@@ -3,7 +3,7 @@
 use crate::cli::args::stop::{Stop, wrong};
 use crate::io::Format;
 use crate::job::words::positive;
-use crate::pipeline::{SampleDensity, Selection, Signal, Values};
+use crate::pipeline::{SampleDensity, Signal, Values};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::path::PathBuf;
@@ -72,10 +72,10 @@ pub(super) fn samples(word: &str) -> Result<SampleDensity, String> {
 }
 
 /// Parses a box given by its lowest and highest corner; the library decides which boxes are valid.
-pub(super) fn within(word: &str) -> Result<Selection, String> {
+pub(super) fn within(word: &str) -> Result<[[f64; 3]; 2], String> {
     let numbers: Option<Vec<f64>> = word.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
-        Some(&[x0, y0, z0, x1, y1, z1]) => Ok(Selection::Box([x0, y0, z0], [x1, y1, z1])),
+        Some(&[x0, y0, z0, x1, y1, z1]) => Ok([[x0, y0, z0], [x1, y1, z1]]),
         _ => Err("it must be six numbers: the lowest x, y and z of a box, then the highest".into()),
     }
 }

@@ -7,6 +7,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::io::content::Read;
 use crate::io::dense::PointFile;
 use crate::io::table::Faces;
+use crate::prepare::thin::Wanted;
 
 /// A file of vertices, which are rows of equal length, followed by faces.
 pub(super) struct Polygons {
@@ -52,7 +53,7 @@ impl Blocks for Polygons {
     fn places(&mut self, monitor: &dyn Monitor) -> Result<Places> {
         let table = &self.vertices.table;
         let mut places = Places::with_capacity(table.points);
-        self.vertices.read(&mut |block| {
+        self.vertices.read(&Wanted::default(), &mut |_, block| {
             check(monitor)?;
             block.chunks_exact(table.row).for_each(|row| places.push(table.rows.look(row).position));
             Ok(())
@@ -72,13 +73,12 @@ impl Blocks for Polygons {
     fn vertices(&self, numbers: &[u32], _: &Places) -> Result<Read> {
         let table = &self.vertices.table;
         let mut rows = Vec::with_capacity(numbers.len() * table.row);
-        let (mut wanted, mut first) = (numbers.iter().peekable(), 0);
-        self.vertices.read(&mut |block| {
+        let mut wanted = numbers.iter().peekable();
+        self.vertices.read(&Wanted::default(), &mut |first, block| {
             let count = block.len() / table.row;
             while let Some(v) = wanted.next_if(|&&v| (v as usize) < first + count) {
                 rows.extend_from_slice(&block[(*v as usize - first) * table.row..][..table.row]);
             }
-            first += count;
             Ok(())
         })?;
         table.rows.read(&rows).map_err(|error| self.vertices.file.locate(error))

@@ -5,6 +5,8 @@
 //! name. An attribute that is zero at all points is taken as missing. 16-bit colours that use only eight bits, which some
 //! programs write, are taken as bytes.
 //!
+//! Of COPC, which is LAZ with an octree, the wanted part can be read without the rest.
+//!
 //! Versions 1.0 to 1.4 are read. Returns, times, angles, waveforms and extra bytes are left out.
 //!
 //! Cost: one pass. A header that promises more points than the file can hold is refused before memory is reserved. LAZ,
@@ -13,6 +15,10 @@
 //! Limits: the crate detects damage inside of compressed points, and may panic; the panic is caught, but a panic hook is
 //! still called.
 
+#[cfg(feature = "laz")]
+mod copc;
+#[cfg(all(test, feature = "laz"))]
+mod copc_tests;
 mod header;
 #[cfg(feature = "laz")]
 mod packed;
@@ -21,6 +27,8 @@ mod packed;
 mod packed;
 #[cfg(feature = "fs")]
 mod rows;
+#[cfg(feature = "laz")]
+mod window;
 
 pub(crate) use header::MAGIC;
 #[cfg(feature = "fs")]
@@ -32,13 +40,14 @@ use crate::io::bytes::{CUT_SHORT, array, malformed, nowhere};
 use crate::io::content::{Parsed, Read};
 use crate::mesh::attributes::{Attribute, Attributes, COLOR, Scalar};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::prepare::thin::Wanted;
 use glam::DVec3;
 
 pub(crate) fn parse(bytes: &[u8]) -> Parsed {
     let header = header(bytes)?;
     let mut cloud = Cloud::default();
     if header.compressed {
-        packed::unpack(std::io::Cursor::new(bytes), &header, &mut |row| {
+        packed::unpack(std::io::Cursor::new(bytes), &header, &Wanted::default(), &mut |_, row| {
             cloud.push(&header, row);
             Ok(())
         })?;

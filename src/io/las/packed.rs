@@ -1,13 +1,20 @@
 //! Compressed points, from memory or from a file.
 //!
-//! Cost: one pass, in which the crate `laz` holds at most one chunk, some 50,000 points. Sizes for which the crate would
-//! reserve memory are first compared with the size of the file.
+//! Cost: one pass, in which the crate `laz` holds at most one chunk, some 50,000 points; of COPC, only the wanted nodes are
+//! read, some at a time, on all threads. Sizes for which the crate would reserve memory are first compared with the size of
+//! the file.
 
+use super::copc::{self, Node};
 use super::header::{HEADERS, Header};
+use super::window::Window;
 use crate::base::error::{Place, Result};
+use crate::base::parallel;
 use crate::io::bytes::{CUT_SHORT, EXPORT_AGAIN, malformed};
+use crate::prepare::thin::{Levels, Wanted};
+use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor};
 use laz::{LasZipDecompressor, LazItem, LazVlr};
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Maximum number of points per byte of a compressed file: real points take more than a byte each.
@@ -21,26 +28,25 @@ pub(super) const CAN_UNPACK: bool = true;
 const BEFORE_CHUNKS: u64 = 8;
 const COUNT: usize = 4;
 
-/// A file that appears to end at `end`.
-struct Bytes<R> {
-    source: R,
-    /// Position of the next byte. Asking the file for it would take a system call.
-    place: u64,
-    end: u64,
-}
+/// Number of nodes of an octree that are read together.
+const BATCH: usize = 16;
 
-/// Passes each point of a LAZ file to `show`, as a row of bytes as in LAS.
+const TOO_LONG: &str = "a chunk of points is longer than the file";
+
+/// Passes points of a LAZ file to `show`: the number of each, in ascending order, and a row of bytes as in LAS. Of COPC, only
+/// nodes are read in which wanted points may be, and the levels that were read are returned.
 ///
 /// # Errors
 /// Those of `show`; an error with the place of the damage.
 pub(super) fn unpack<R: Read + Seek + Send + Sync>(
     mut source: R,
     header: &Header,
-    show: &mut dyn FnMut(&[u8]) -> Result<()>,
-) -> Result<()> {
+    wanted: &Wanted,
+    show: &mut dyn FnMut(usize, &[u8]) -> Result<()>,
+) -> Result<Option<Levels>> {
     let damaged = |cause: String| malformed(Place::Byte(header.start), cause, CUT_SHORT);
     let end = source.seek(SeekFrom::End(0)).map_err(|e| damaged(e.to_string()))?;
-    let mut bytes = Bytes { source, place: end, end };
+    let mut bytes = Window::of(source, end);
     if header.count as u64 / MOST_PER_BYTE > end || !bytes.has_sound_chunks(header.start as u64) {
         return Err(damaged(format!(
             "the header declares {} points, more than a file of this size can hold",
@@ -54,53 +60,42 @@ pub(super) fn unpack<R: Read + Seek + Send + Sync>(
             EXPORT_AGAIN,
         ));
     };
+    let chosen = copc::nodes(&mut bytes, header).map(|nodes| copc::chosen(nodes, wanted, header));
     let mut refused = Ok(());
-    let mut shown = |row: &[u8]| {
-        refused = show(row);
+    let mut shown = |number: usize, row: &[u8]| {
+        refused = show(number, row);
         refused.is_ok()
     };
     // The crate assumes that the data was compressed by a correct program.
-    let unpacked = catch_unwind(AssertUnwindSafe(|| bytes.unpack(header, &record, &mut shown)));
+    let unpacked = catch_unwind(AssertUnwindSafe(|| match &chosen {
+        Some((nodes, _)) => bytes.unpack_nodes(nodes, header, &record, &mut shown),
+        None => bytes.unpack(header, &record, &mut shown),
+    }));
     refused?;
     match unpacked {
-        Ok(Ok(())) => Ok(()),
+        Ok(Ok(())) => Ok(chosen.map(|(_, levels)| levels)),
         Ok(Err(cause)) => Err(damaged(format!("the compressed points cannot be read: {cause}"))),
         Err(_) => Err(damaged("the compressed points are damaged".into())),
     }
 }
 
-impl<R: Read + Seek + Send + Sync> Bytes<R> {
-    /// Returns `count` bytes at this offset, if there are that many.
-    fn at(&mut self, place: u64, count: usize) -> Option<Vec<u8>> {
-        let is_there = place.checked_add(count as u64).is_some_and(|end| end <= self.end);
-        let mut bytes = vec![0; if is_there { count } else { return None }];
-        self.seek(SeekFrom::Start(place)).ok()?;
-        self.read_exact(&mut bytes).ok()?;
-        Some(bytes)
-    }
-
-    fn array<const N: usize>(&mut self, place: u64) -> Option<[u8; N]> {
-        self.at(place, N)?.try_into().ok()
-    }
-
-    /// Passes points to `show` until there are no more or `show` returns false.
+impl<R: Read + Seek> Window<R> {
+    /// Passes all points to `show` until it returns false.
     fn unpack(
         mut self,
         header: &Header,
         record: &[u8],
-        show: &mut dyn FnMut(&[u8]) -> bool,
-    ) -> std::result::Result<(), String> {
-        let record = LazVlr::from_buffer(record).map_err(|e| e.to_string())?;
-        let sizes: usize = record.items().iter().map(|item| usize::from(item.size())).sum();
-        if sizes != header.length {
-            return Err(format!("points of {sizes} bytes instead of {}", header.length));
-        }
-        let layers = record.items().iter().map(layers_of).sum();
+        show: &mut dyn FnMut(usize, &[u8]) -> bool,
+    ) -> std::result::Result<(), String>
+    where
+        R: Send + Sync,
+    {
+        let (record, layers) = compression(record, header)?;
         let start = header.start as u64;
         let end_of_chunks = self.table_of_chunks(start).filter(|end| (start..self.end).contains(end));
         let end_of_chunks = end_of_chunks.unwrap_or(self.end);
-        if layers > 0 && !self.has_sound_layers(end_of_chunks, header, layers) {
-            return Err("a chunk of points is longer than the file".into());
+        if layers > 0 && !self.has_sound_layers(start + BEFORE_CHUNKS..end_of_chunks, header, layers) {
+            return Err(TOO_LONG.into());
         }
         self.seek(SeekFrom::Start(start)).map_err(|e| e.to_string())?;
         let mut points = LasZipDecompressor::new(self, record).map_err(|e| e.to_string())?;
@@ -109,19 +104,47 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
             points.get_mut().end = end_of_chunks;
         }
         let mut row = vec![0; header.length];
-        for _ in 0..header.count {
+        for number in 0..header.count {
             points.decompress_one(&mut row).map_err(|e| e.to_string())?;
-            if !show(&row) {
+            if !show(number, &row) {
                 break;
             }
         }
         Ok(())
     }
 
-    /// Whether all layers, for which the crate reserves memory at once, end before the last chunk does. A chunk consists of
-    /// a point, the number of points, the sizes of the layers in 32 bits, and the layers.
-    fn has_sound_layers(&mut self, end: u64, header: &Header, layers: usize) -> bool {
-        let mut at = header.start as u64 + BEFORE_CHUNKS;
+    /// Passes the points of some nodes to `show` until it returns false.
+    fn unpack_nodes(
+        mut self,
+        nodes: &[Node],
+        header: &Header,
+        record: &[u8],
+        show: &mut dyn FnMut(usize, &[u8]) -> bool,
+    ) -> std::result::Result<(), String> {
+        let (record, layers) = compression(record, header)?;
+        for nodes in nodes.chunks(BATCH) {
+            let read = |node: &Node| self.at(node.at, node.size).ok_or(TOO_LONG);
+            let chunks: Vec<Vec<u8>> = nodes.iter().map(read).collect::<std::result::Result<_, _>>()?;
+            let unpacked = parallel::each(chunks.into_iter().zip(nodes), |(chunk, node)| {
+                let points = unpacked(chunk, header, &record, layers)?;
+                let is_whole = points.len() == header.length * node.points;
+                if is_whole { Ok(points) } else { Err("a node of the octree has another number of points".to_owned()) }
+            });
+            for (points, node) in unpacked.into_iter().zip(nodes) {
+                for (row, number) in points?.chunks_exact(header.length).zip(node.first..) {
+                    if !show(number, row) {
+                        return Ok(());
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether all layers of the chunks in this range, for which the crate reserves memory at once, end before the last chunk
+    /// does. A chunk consists of a point, the number of points, the sizes of the layers in 32 bits, and the layers.
+    fn has_sound_layers(&mut self, chunks: Range<u64>, header: &Header, layers: usize) -> bool {
+        let Range { start: mut at, end } = chunks;
         let before = (header.length + COUNT) as u64;
         let whole = std::mem::replace(&mut self.end, end);
         let mut is_sound = true;
@@ -170,6 +193,33 @@ impl<R: Read + Seek + Send + Sync> Bytes<R> {
     }
 }
 
+/// Returns how points are compressed, and in how many layers.
+fn compression(record: &[u8], header: &Header) -> std::result::Result<(LazVlr, usize), String> {
+    let record = LazVlr::from_buffer(record).map_err(|e| e.to_string())?;
+    let sizes: usize = record.items().iter().map(|item| usize::from(item.size())).sum();
+    if sizes != header.length {
+        return Err(format!("points of {sizes} bytes instead of {}", header.length));
+    }
+    let layers = record.items().iter().map(layers_of).sum();
+    Ok((record, layers))
+}
+
+/// Returns the points of a chunk, as rows.
+fn unpacked(chunk: Vec<u8>, header: &Header, record: &LazVlr, layers: usize) -> std::result::Result<Vec<u8>, String> {
+    let end = chunk.len() as u64;
+    let mut chunk = Window::of(Cursor::new(chunk), end);
+    let count = chunk.array(header.length as u64).map_or(0, u32::from_le_bytes);
+    if layers == 0 || !chunk.has_sound_layers(0..end, header, layers) || u64::from(count) / MOST_PER_BYTE > end {
+        return Err(TOO_LONG.into());
+    }
+    chunk.seek(SeekFrom::Start(0)).map_err(|e| e.to_string())?;
+    let mut points = LayeredPointRecordDecompressor::new(chunk);
+    points.set_fields_from(record.items()).map_err(|e| e.to_string())?;
+    let mut rows = vec![0; header.length * count as usize];
+    points.decompress_many(&mut rows).map_err(|e| e.to_string())?;
+    Ok(rows)
+}
+
 /// Returns the number of layers per chunk for a part of a point; zero in layouts below 6.
 fn layers_of(item: &LazItem) -> usize {
     use laz::LazItemType::{Byte14, Point14, RGB14, RGBNIR14, WavePacket14};
@@ -179,22 +229,5 @@ fn layers_of(item: &LazItem) -> usize {
         RGBNIR14 => 2,
         Byte14(count) => count.into(),
         _ => 0,
-    }
-}
-
-impl<R: Read + Seek> Read for Bytes<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let left = usize::try_from(self.end.saturating_sub(self.place)).unwrap_or(usize::MAX);
-        let most = buffer.len().min(left);
-        let count = self.source.read(&mut buffer[..most])?;
-        self.place += count as u64;
-        Ok(count)
-    }
-}
-
-impl<R: Read + Seek> Seek for Bytes<R> {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        self.place = self.source.seek(to)?;
-        Ok(self.place)
     }
 }

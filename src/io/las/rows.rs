@@ -6,7 +6,7 @@ use super::{Cloud, position};
 use crate::base::error::Result;
 use crate::io::content::Parsed;
 use crate::io::table::{Packed, Rows, Table};
-use crate::prepare::thin::Seen;
+use crate::prepare::thin::{Levels, Seen, Wanted};
 use glam::DVec3;
 use std::fs::File;
 use std::io::BufReader;
@@ -26,7 +26,16 @@ pub(crate) fn table(head: &[u8], length: u64) -> Option<Table> {
 
 impl Packed for Header {
     fn unpack(&self, file: &File, show: &mut dyn FnMut(&[u8]) -> Result<()>) -> Result<()> {
-        packed::unpack(BufReader::new(file), self, show)
+        self.unpack_wanted(file, &Wanted::default(), &mut |_, row| show(row)).map(|_| ())
+    }
+
+    fn unpack_wanted(
+        &self,
+        file: &File,
+        wanted: &Wanted,
+        show: &mut dyn FnMut(usize, &[u8]) -> Result<()>,
+    ) -> Result<Option<Levels>> {
+        packed::unpack(BufReader::new(file), self, wanted, show)
     }
 }
 

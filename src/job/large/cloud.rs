@@ -7,7 +7,7 @@ use crate::io::dense::PointFile;
 use crate::job::large::LargeFile;
 use crate::job::large::workspace::Workspace;
 use crate::job::{Carry, Outcome, RemeshOptions};
-use crate::pipeline::{Density, Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled};
+use crate::pipeline::{Density, Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled, Selection};
 use crate::surface::features::Features;
 use crate::tiles::{
     PlanOptions, TileFolder, can_plan, make_plan, merge, merge_mesh, mesh_pieces, nearest_attributes, sample_tiles,
@@ -58,7 +58,8 @@ pub fn remesh_in_pieces(
     let can_be = |sample: &SampleOptions| is_dense(file, sample) && can_plan(file.path, file.format, sample);
     let Some(sample) = in_pieces(options, file.out_of_core.memory()).filter(can_be) else { return Ok(None) };
     let (workspace, folder) = planned(file, &sample, BYTES_OF_SAMPLE + BYTES_OF_VERTEX, monitor)?;
-    if folder.plan()?.is_thick {
+    let plan = folder.plan()?;
+    if plan.is_thick || (plan.points as u64) < POINTS_PER_VERTEX * wanted(&sample) {
         workspace.clear();
         return Ok(None);
     }
@@ -93,7 +94,8 @@ pub fn merge_pieces(
         carried.leave_out(format.cannot_hold(&carried.attributes));
     }
     monitor.stage("measure");
-    Ok(Outcome::of_pieces(mesh, carried, folder.plan()?.wanted))
+    let plan = folder.plan()?;
+    Ok(Outcome::of_pieces(mesh, carried, plan.wanted, plan.notes))
 }
 
 /// Returns whether a cloud has enough points for pieces of a mesh.
@@ -108,15 +110,20 @@ fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
     let Density::Points(wanted) = surface.density else { return None };
     let is_plain = surface.grading == Grading::Even
         && matches!(surface.features, Features::Automatic | Features::Smooth)
-        && surface.part.is_none()
+        && !matches!(surface.part, Some(Selection::Vertices(_) | Selection::Marked { .. }))
         && surface.max_error.is_none()
         && surface.optimize
         && cloud.fill_holes == 0.0
         && cloud.terrain != Some(true);
+    let within = match surface.part {
+        Some(Selection::Box(lowest, highest)) => Some([lowest, highest]),
+        _ => None,
+    };
     // A base mesh is made in memory in any case.
     let is_too_large = wanted > MOST_OF_BASE && BYTES_PER_VERTEX * wanted as u64 > memory;
     (is_plain && is_too_large).then(|| SampleOptions {
         density: SampleDensity::Points(wanted),
+        within,
         seed: surface.seed,
         cloud: cloud.clone(),
         ..SampleOptions::default()

@@ -11,12 +11,16 @@ const SIDED: usize = 4;
 pub struct CloudSummary {
     /// Number of points of the input, or of those kept after thinning.
     pub points: usize,
-    /// Number of points of the input if they were thinned because there were more than are of use; otherwise 0.
+    /// Number of points of the input if they were thinned because there were more than are of use; otherwise 0. Points outside
+    /// of a box are not among them.
     #[serde(default)]
     pub thinned_from: usize,
     /// Width of the cells of the thinning, each of which kept one point.
     #[serde(default)]
     pub cell: f64,
+    /// Points that were read and are outside of the box of the points that are wanted.
+    #[serde(default)]
+    pub outside: usize,
     /// Points that coincide with another one.
     pub duplicates: usize,
     /// Points that are no other point's neighbour.
@@ -56,7 +60,10 @@ pub struct CloudSummary {
 impl CloudSummary {
     /// Records that the points were thinned.
     pub fn thin(&mut self, thinned: &Thinned) {
-        (self.thinned_from, self.cell) = (thinned.points, thinned.cell);
+        self.outside = thinned.outside();
+        if thinned.cell > 0.0 {
+            (self.thinned_from, self.cell) = (thinned.inside, thinned.cell);
+        }
     }
 
     /// Returns whether the normals of `points` points fail to tell which side is outside.

@@ -1,9 +1,11 @@
 //! Options for sampling.
 
 use crate::base::error::{Error, Result, Setting};
+use crate::geom::aabb::Aabb;
 use crate::pipeline::cloud::options::CloudOptions;
 use crate::pipeline::density::{SampleDensity, check_count, check_length};
 use crate::pipeline::kernel::{Signal, check_kernel};
+use crate::pipeline::selection::check_box;
 
 /// Options of sampling.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +18,9 @@ pub struct SampleOptions {
     pub sigma_n: f64,
     /// Properties of the input that samples follow. Default: none.
     pub signals: Vec<Signal>,
+    /// Lowest and highest x, y and z of a box, in the units of the input: only the points of a cloud inside it or on its faces
+    /// are used. A mesh is refused. Default: none, all points are used.
+    pub within: Option<[[f64; 3]; 2]>,
     /// Whether the samples are a subset of the input's points, as the scan leaves them. Default: false.
     pub scan_only: bool,
     /// Number of levels. If given, samples are in progressive order, such that every first part of them is a good sampling
@@ -36,6 +41,7 @@ impl Default for SampleOptions {
             density: SampleDensity::Points(10_000),
             sigma_n: f64::INFINITY,
             signals: Vec::new(),
+            within: None,
             scan_only: false,
             levels: None,
             seed: 0,
@@ -46,6 +52,24 @@ impl Default for SampleOptions {
 }
 
 impl SampleOptions {
+    /// Returns the box inside which points are used.
+    pub(crate) fn bounds(&self) -> Option<Aabb> {
+        self.within.map(|[lowest, highest]| Aabb { lo: lowest.into(), hi: highest.into() })
+    }
+
+    /// Refuses a box, which is only possible for clouds.
+    ///
+    /// # Errors
+    /// [`Error::Option`] if there is one.
+    pub(crate) fn refuse_box(&self) -> Result<()> {
+        if self.within.is_none() {
+            return Ok(());
+        }
+        let cause = "the input is a mesh, and only the samples of a cloud can be limited to a box".into();
+        let remedy = "leave it out, or cut the mesh first".into();
+        Err(Error::Option { option: Setting::PartBox, cause, remedy })
+    }
+
     /// Refuses options that suit no input.
     ///
     /// # Errors
@@ -53,6 +77,7 @@ impl SampleOptions {
     pub fn validate(&self) -> Result<()> {
         check_kernel(self.sigma_n, &self.signals)?;
         self.cloud.validate()?;
+        self.within.iter().try_for_each(|[lowest, highest]| check_box(lowest, highest))?;
         if self.levels == Some(0) {
             let (cause, remedy) = ("there must be at least one level".into(), "give 1 or more".into());
             return Err(Error::Option { option: Setting::Levels, cause, remedy });
