@@ -86,6 +86,9 @@ fn clamped_foot([bb, bc, cc]: [f64; 3], determinant: f64, pb: f64, pc: f64) -> [
 /// Returns the best of the closest points of the three sides and, if it can be determined, the foot in the interior.
 #[cold]
 fn closest_point_of_sliver(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+    if b == c {
+        return closest_point_of_segment(p, a, b);
+    }
     let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| closest_point_of_segment(p, from, to));
     let weights = barycentric(p, [a, b, c]);
     let inside = weights.iter().all(|&w| w >= 0.0).then(|| weights[0] * a + weights[1] * b + weights[2] * c);
@@ -167,6 +170,11 @@ pub fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let twice_area = (b - a).cross(c - a).length();
     let at = |u: DVec3, w: DVec3| math::atan2(twice_area, u.dot(w)).to_degrees();
     [at(b - a, c - a), at(c - b, a - b), at(a - c, b - c)]
+}
+
+/// The first of the [`angles`].
+pub fn first_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    math::atan2((b - a).cross(c - a).length(), (b - a).dot(c - a)).to_degrees()
 }
 
 /// The smallest and the largest of the [`angles`].
