@@ -1,4 +1,5 @@
-//! Thins a cloud with more points than are useful while it is read: one point per cell of a lattice.
+//! Thins a cloud with more points than are useful while it is read: one point per cell of a lattice. Points outside of the
+//! wanted box, if there is one, are left out before.
 //!
 //! A cell keeps the point nearest to its centre, and the first among equally near ones; where points face opposite ways, as
 //! on the two sides of a thin wall, it keeps one per side. Cells are anchored at the origin. Their width is a power of two

@@ -4,15 +4,16 @@
 //!
 //! Source: COPC 1.0, <https://copc.io>.
 //!
-//! An octree that does not fit the rest of the file is ignored: the file is still a LAZ file.
+//! An octree that does not fit the rest of the file is ignored, such as after a program that does not know COPC has
+//! compressed the points again: the file is still a LAZ file.
 
 use super::header::Header;
 use super::window::Window;
 use crate::geom::aabb::Aabb;
 use crate::prepare::thin::{Levels, Wanted};
 use glam::{DVec3, IVec3};
-use rustc_hash::FxHashSet;
 use std::io::{Read, Seek};
+use std::ops::Range;
 
 /// Offset of the first record, which describes the octree, and the name of whom it is from.
 pub(super) const RECORD: u64 = 375;
@@ -44,35 +45,41 @@ pub(super) struct Node {
     pub points: usize,
 }
 
-/// Returns the nodes in the order of the file; `None` if the file has no octree with all of its points.
-pub(super) fn nodes<R: Read + Seek>(file: &mut Window<R>, header: &Header) -> Option<Vec<Node>> {
+/// Returns the nodes in the order of the file, whose `chunks` are in this range of bytes; `None` if the file has no octree with
+/// exactly these chunks and all of its points.
+pub(super) fn nodes<R: Read + Seek>(file: &mut Window<R>, header: &Header, chunks: Range<u64>) -> Option<Vec<Node>> {
     if file.at(USER_AT, USER.len())? != USER {
         return None;
     }
     let mut number = |k: u64| file.array(INFO + 8 * k);
     let mut real = |k| number(k).map(f64::from_le_bytes);
     let (centre, half) = (DVec3::new(real(0)?, real(1)?, real(2)?), real(3)?);
+    if !(half > 0.0 && half.is_finite() && centre.is_finite()) {
+        return None;
+    }
     let root = Aabb { lo: centre - half, hi: centre + half };
     let (at, size) = (number(5).map(u64::from_le_bytes)?, number(6).map(u64::from_le_bytes)?);
     let mut nodes = entries(file, (at, size), root)?;
     nodes.sort_unstable_by_key(|node| node.at);
-    let mut first = 0;
+    let (mut at, mut first) = (chunks.start, 0);
     for node in &mut nodes {
+        if node.at != at {
+            return None;
+        }
         node.first = first;
+        at += node.size as u64;
         first += node.points;
     }
-    let are_apart = nodes.windows(2).all(|pair| pair[0].at + pair[0].size as u64 <= pair[1].at);
-    (are_apart && first == header.count).then_some(nodes)
+    (at == chunks.end && first == header.count).then_some(nodes)
 }
 
 /// Returns the nodes with points in the page of the hierarchy with this offset and size, and in the pages below it.
 fn entries<R: Read + Seek>(file: &mut Window<R>, page: (u64, u64), root: Aabb) -> Option<Vec<Node>> {
-    let (mut pages, mut seen) = (vec![page], FxHashSet::default());
-    let mut nodes = Vec::new();
+    let (mut pages, mut nodes) = (vec![page], Vec::new());
+    // Pages do not overlap, so they are no larger than the file; damaged ones may refer to each other.
+    let mut left = file.end;
     while let Some((at, size)) = pages.pop() {
-        if !seen.insert(at) {
-            return None;
-        }
+        left = left.checked_sub(size.max(1))?;
         for entry in file.at(at, usize::try_from(size).ok()?)?.chunks_exact(ENTRY) {
             let whole = |k: usize| entry[k..].first_chunk().map_or(0, |bytes| i32::from_le_bytes(*bytes));
             let at = entry[16..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));

@@ -159,6 +159,10 @@ fn a_damaged_octree_is_no_octree_or_an_error() {
     bytes[pages + 28] += 1;
     let (numbers, _, levels) = read(&bytes, wanted).unwrap();
     assert!(numbers.len() == 1024 && levels.is_none(), "more points in the octree than in the file");
+    let mut bytes = good.clone();
+    bytes[pages + 16] += 1;
+    let (numbers, _, levels) = read(&bytes, wanted).unwrap();
+    assert!(numbers.len() == 1024 && levels.is_none(), "other chunks than the file has");
     // The page of the last level refers to the first page.
     let last = good[pages..].chunks_exact(ENTRY).position(|entry| entry[28..] == PAGE.to_le_bytes()).unwrap();
     let mut bytes = good.clone();

@@ -60,7 +60,10 @@ pub(super) fn unpack<R: Read + Seek + Send + Sync>(
             EXPORT_AGAIN,
         ));
     };
-    let chosen = copc::nodes(&mut bytes, header).map(|nodes| copc::chosen(nodes, wanted, header));
+    let start = header.start as u64;
+    let chunks = bytes.table_of_chunks(start).map(|end| start + BEFORE_CHUNKS..end);
+    let nodes = chunks.and_then(|chunks| copc::nodes(&mut bytes, header, chunks));
+    let chosen = nodes.map(|nodes| copc::chosen(nodes, wanted, header));
     let mut refused = Ok(());
     let mut shown = |number: usize, row: &[u8]| {
         refused = show(number, row);
