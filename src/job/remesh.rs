@@ -247,6 +247,7 @@ impl<'a> Surface<'a> {
         let smooth = options.cloud.smooth.or(options.surface.smooth);
         let cloud = CloudOptions { smooth, ..options.cloud.clone() };
         let mut made = mesh_of_cloud(&input.as_points()?, &cloud, resolved.density, monitor)?;
+        let features = made.sharpen(resolved.features.clone(), resolved.density);
         let grading = resolved.grading.of(&made.source);
         if let Some(thinned) = input.thinning() {
             made.summary.thin(thinned);
@@ -258,7 +259,7 @@ impl<'a> Surface<'a> {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             input: input.as_mesh(),
             of_points: Some(Arc::new(made.mesh)),
-            options: Options { grading, smooth, of_points: true, part: None, ..resolved },
+            options: Options { grading, smooth, of_points: true, part: None, features, ..resolved },
             points: Some(input.numbers(made.source)),
             cloud: Some(Cloud {
                 summary: made.summary,

@@ -159,7 +159,16 @@ fn sharp_edges(report: &Report) -> Vec<String> {
 /// The numbers of a cloud's points by what was done with them.
 fn points_used(cloud: &CloudSummary) -> Vec<String> {
     let &CloudSummary {
-        points, duplicates, outliers, in_shreds, unused, estimated_normals, turned_normals, below, ..
+        points,
+        duplicates,
+        outliers,
+        in_shreds,
+        unused,
+        estimated_normals,
+        turned_normals,
+        below,
+        on_sharp_edges,
+        ..
     } = cloud;
     let others = [
         (duplicates, "duplicate", "duplicates"),
@@ -169,6 +178,7 @@ fn points_used(cloud: &CloudSummary) -> Vec<String> {
         (unused, "other not used by any triangle", "others not used by any triangle"),
         (estimated_normals, "normal estimated", "normals estimated"),
         (turned_normals, "normal turned over", "normals turned over"),
+        (on_sharp_edges, "vertex added on sharp edges", "vertices added on sharp edges"),
     ];
     [counted(points, "point", "points")].into_iter().chain(counts(&others)).collect()
 }

@@ -85,10 +85,10 @@ const SHORT: f64 = 0.5;
 const LOOKED_AT: usize = 4000;
 
 /// Dihedral angle, in degrees, from which an edge between two planes is sharp, whatever the other edges are.
-const BETWEEN_PLANES: f64 = 30.0;
+pub const BETWEEN_PLANES: f64 = 30.0;
 
 /// Minimum total length of a connected net of sharp edges, in spacings.
-const SHORTEST: f64 = 3.0;
+pub const SHORTEST: f64 = 3.0;
 
 /// Returns whether each side `3 t + k` of the triangles is on a sharp edge. `twin` is the result of
 /// [`twins`](crate::mesh::topology::twins), `spacing` that of the samples, in the units of the mesh. Edges of steps no wider

@@ -9,8 +9,8 @@ use spectral_remesh::stages::mesh::topology::{Topology, topology};
 use spectral_remesh::stages::pipeline::{CloudSummary, MeshOfPoints};
 use spectral_remesh::stages::pipeline::{Remeshed, mesh_of_points, remesh};
 use spectral_remesh::{
-    CloudOptions, Density, Input, MaxError, Mesh, Options, Points, ReconstructOptions, RemeshOptions, SampleDensity,
-    SampleOptions,
+    CloudOptions, Density, Features, Input, MaxError, Mesh, Options, Outcome, Points, ReconstructOptions,
+    RemeshOptions, SampleDensity, SampleOptions,
 };
 use std::f64::consts::TAU;
 
@@ -270,6 +270,43 @@ fn between_few_points_edges_stay_sharp_and_faces_flat() {
     let off = |p: &DVec3| ((*p - 1.0).abs().max_element() - 1.0).abs();
     let farthest = made.mesh.positions.iter().map(off).fold(0.0, f64::max);
     assert!(farthest < 1e-3, "{farthest}");
+}
+
+/// Returns random points of the surface of a cube with sides of two.
+fn on_cube(count: usize, noise: f64) -> Vec<[f64; 3]> {
+    let mut rng = random();
+    let point = |i: usize| {
+        let [u, v, w] = [0; 3].map(|_| 2.0 * unit(&mut rng) - 1.0);
+        let off = if i % 2 == 0 { 1.0 } else { -1.0 } + noise * w;
+        let mut point = [u, v, off];
+        point.rotate_left(i / 2 % 3);
+        point
+    };
+    (0..count).map(point).collect()
+}
+
+#[test]
+fn edges_between_many_points_come_out_sharp_and_corners_where_sides_meet() {
+    let length = |made: &Outcome| {
+        let ends = |[a, b]: [u32; 2]| [a, b].map(|v| DVec3::from(made.mesh.positions[v as usize]));
+        made.edges.sharp.iter().map(|&edge| ends(edge)).map(|[a, b]| a.distance(b)).sum::<f64>()
+    };
+    // Without noise, and with some of a tenth of the point spacing.
+    for (noise, most) in [(0.0, 1e-3), (0.003, 0.02)] {
+        let positions = on_cube(20_000, noise);
+        let made = spectral_remesh::remesh(&Input::points(&positions), &Options::points(600).into(), &()).unwrap();
+        assert!(made.verified(), "{noise}");
+        assert!((length(&made) - 24.0).abs() < 0.2, "{noise}: {}", length(&made));
+        for corner in 0..8 {
+            let corner = dvec3(f64::from(corner & 1), f64::from(corner >> 1 & 1), f64::from(corner >> 2)) * 2.0 - 1.0;
+            let distances = made.mesh.positions.iter().map(|p| DVec3::from(*p).distance(corner));
+            let nearest = distances.fold(f64::INFINITY, f64::min);
+            assert!(nearest < most, "{noise}: {corner} is {nearest} away");
+        }
+    }
+    let options = Options { features: Features::Smooth, ..Options::points(600) };
+    let round = spectral_remesh::remesh(&Input::points(&on_cube(20_000, 0.0)), &options.into(), &()).unwrap();
+    assert!(round.edges.sharp.is_empty());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 pub(in crate::pipeline) mod coverage;
 pub(in crate::pipeline) mod options;
 pub(in crate::pipeline) mod reconstruct;
+pub(in crate::pipeline) mod sharp;
 pub(in crate::pipeline) mod summary;
 pub(in crate::pipeline) mod terrain;
 
@@ -33,7 +34,7 @@ use glam::DVec3;
 pub struct MeshOfPoints {
     /// Oriented manifold, closed where the cloud is.
     pub mesh: Mesh,
-    /// For each vertex, the input point that it is.
+    /// For each vertex, the input point that it is, or is beside if it lies on a restored sharp edge.
     pub source: Vec<u32>,
     /// Points that the mesh should pass through: at distinct places, without outliers.
     pub surface_points: Vec<u32>,

@@ -40,6 +40,9 @@ pub struct CloudSummary {
     /// Points lower than another one in such a cell.
     #[serde(default)]
     pub below: usize,
+    /// Vertices that were added on sharp edges, where the planes of both sides meet between points.
+    #[serde(default)]
+    pub on_sharp_edges: usize,
     /// Whether there is noise that smoothing would remove.
     #[serde(default)]
     pub noisy: bool,
