@@ -277,7 +277,7 @@ fn on_cube(count: usize, noise: f64) -> Vec<[f64; 3]> {
     let mut rng = random();
     let point = |i: usize| {
         let [u, v, w] = [0; 3].map(|_| 2.0 * unit(&mut rng) - 1.0);
-        let off = if i % 2 == 0 { 1.0 } else { -1.0 } + noise * w;
+        let off = if i.is_multiple_of(2) { 1.0 } else { -1.0 } + noise * w;
         let mut point = [u, v, off];
         point.rotate_left(i / 2 % 3);
         point
@@ -288,7 +288,7 @@ fn on_cube(count: usize, noise: f64) -> Vec<[f64; 3]> {
 #[test]
 fn edges_between_many_points_come_out_sharp_and_corners_where_sides_meet() {
     let length = |made: &Outcome| {
-        let ends = |[a, b]: [u32; 2]| [a, b].map(|v| DVec3::from(made.mesh.positions[v as usize]));
+        let ends = |[a, b]: [u32; 2]| [a, b].map(|v| made.mesh.positions[v as usize]);
         made.edges.sharp.iter().map(|&edge| ends(edge)).map(|[a, b]| a.distance(b)).sum::<f64>()
     };
     // Without noise, and with some of a tenth of the point spacing.
@@ -299,7 +299,7 @@ fn edges_between_many_points_come_out_sharp_and_corners_where_sides_meet() {
         assert!((length(&made) - 24.0).abs() < 0.2, "{noise}: {}", length(&made));
         for corner in 0..8 {
             let corner = dvec3(f64::from(corner & 1), f64::from(corner >> 1 & 1), f64::from(corner >> 2)) * 2.0 - 1.0;
-            let distances = made.mesh.positions.iter().map(|p| DVec3::from(*p).distance(corner));
+            let distances = made.mesh.positions.iter().map(|p| p.distance(corner));
             let nearest = distances.fold(f64::INFINITY, f64::min);
             assert!(nearest < most, "{noise}: {corner} is {nearest} away");
         }

@@ -1,7 +1,7 @@
 //! Restores the sharp edges of a surface in a mesh through points of it.
 //!
 //! Hardly any point of a scan lies on a sharp edge, so triangles between points on both sides cut it off. Here each vertex
-//! near it gets the tangent plane of its own side ([`planes`]). Where the planes at the ends of an edge of the mesh differ,
+//! near it gets the tangent plane of its own side (see `planes`). Where the planes at the ends of an edge of the mesh differ,
 //! the edge runs from one side to the other. It is split where it would cross the sharp edge if the sides were unfolded onto
 //! one plane, and the new vertex is put where the planes meet. If an end is close to there, it moves there instead.
 //!

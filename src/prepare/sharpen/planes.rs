@@ -10,6 +10,7 @@
 //! Cost: linear; a few passes over the neighbours of all vertices.
 
 use crate::base::csr::Csr;
+use crate::base::math;
 use crate::base::parallel;
 use crate::geom::eigen::eigen;
 use crate::geom::symmetric::Symmetric;
@@ -83,7 +84,7 @@ impl Plane {
 
     /// Returns how badly the plane fits its points and `p`.
     fn misfit(&self, p: DVec3) -> f64 {
-        self.distance.hypot(self.height(p))
+        (self.distance * self.distance + math::square(self.height(p))).sqrt()
     }
 }
 
@@ -166,15 +167,16 @@ fn planes_around(mesh: &Mesh, neighbors: &Csr<u32>, rings: usize) -> Vec<Plane> 
 fn collect_rings(neighbors: &Csr<u32>, v: u32, rings: usize, found: &mut Vec<u32>) {
     found.clear();
     found.push(v);
-    let mut last = 0;
+    let mut first = 0;
     for _ in 0..rings {
-        for i in last..found.len() {
+        let ring = first..found.len();
+        first = found.len();
+        for i in ring {
             for &w in neighbors.row(found[i]) {
                 if !found.contains(&w) {
                     found.push(w);
                 }
             }
-            last = i + 1;
         }
     }
 }
