@@ -34,7 +34,7 @@ fn plan(job: &Planning) -> Result<()> {
     job.options.validate()?;
     let folder = TileFolder::make(&job.folder)?;
     let memory = job.memory.unwrap_or_else(free_memory);
-    let options = PlanOptions { sample: job.options.clone(), memory, tiles: job.tiles };
+    let options = PlanOptions { sample: job.options.clone(), memory, tiles: job.tiles, sharp_edges: true };
     let plan =
         watched(job.run.voice, |monitor| make_plan(&job.input.path, job.input.format, &folder, &options, monitor))?;
     if job.run.voice == Voice::Quiet {

@@ -30,7 +30,7 @@ pub use density::{Density, FEWEST_POINTS, MOST_POINTS, SampleDensity, check_leve
 pub use kernel::Signal;
 pub use options::{Grading, MaxError, Options};
 pub use pieces::base_mesh::{MOST_OF_BASE, base_mesh, nodes};
-pub use pieces::outline::{Outline, Survey, survey};
+pub use pieces::outline::{Outline, Survey, has_sharp_edges, survey};
 pub use pieces::piece::{MadeAnew, PartOfMesh, optimize_piece, triangulate_nodes};
 pub use pieces::placing::place_nodes;
 pub use pieces::tile::{TileOptions, TilePoint, count_in_tile, sample_tile};

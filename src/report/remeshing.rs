@@ -234,7 +234,7 @@ impl Report {
         let open = counted(report.output.topology.boundary_loops, "boundary loop", "boundary loops");
         let is_open = report.output.topology.boundary_loops > 0;
         report.run.notes.extend(is_open.then(|| format!("{open}: boundaries follow the samples as they were drawn")));
-        report.run.notes.push("made piece by piece: sharp edges are rounded".into());
+        report.run.notes.push("made piece by piece".into());
         report
     }
 

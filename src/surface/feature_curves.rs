@@ -106,6 +106,13 @@ impl Curves {
         Some((self.sides[closest], along.min(1.0)))
     }
 
+    /// Returns the curve closest to `p` of those with a side that `is_wanted`.
+    pub fn nearest(&self, p: DVec3, is_wanted: impl Fn(u32) -> bool) -> Option<u32> {
+        let is_own = |segment: u32| is_wanted(self.sides[segment as usize]);
+        let hit = self.bvh.closest_where(&self.segments, p, f64::INFINITY, is_own)?;
+        Some(self.of_side(self.sides[hit.triangle as usize]))
+    }
+
     /// Returns the segment of curve `curve` closest to `p`; the first one of several equally close.
     fn closest_segment(&self, p: DVec3, curve: u32) -> Option<u32> {
         let is_own = |segment: u32| self.of_side(self.sides[segment as usize]) == curve;

@@ -265,10 +265,10 @@ fn write_rows(path: &Path, rows: &[TilePoint]) -> Result<()> {
 }
 
 /// Returns what identifies the input and the options of a plan.
-fn made_of(input: &Path, PlanOptions { sample, .. }: &PlanOptions) -> String {
+fn made_of(input: &Path, PlanOptions { sample, sharp_edges, .. }: &PlanOptions) -> String {
     let path = fs::canonicalize(input).unwrap_or_else(|_| input.into());
     let found = fs::metadata(input).ok().map(|found| (found.len(), found.modified().ok()));
-    format!("{} {path:?} {found:?} {sample:?}\n", env!("CARGO_PKG_VERSION"))
+    format!("{} {path:?} {found:?} {sample:?} {sharp_edges}\n", env!("CARGO_PKG_VERSION"))
 }
 
 fn sample_of(row: &[u8]) -> TilePoint {

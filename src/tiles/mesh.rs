@@ -14,7 +14,7 @@ use crate::tiles::joined::Joined;
 use crate::tiles::made::{MadePiece, new_key};
 use crate::tiles::pieces::{Cube, MOVED, Piece, pieces, rounds, spare};
 use crate::tiles::plan::Plan;
-use crate::tiles::points::points_of;
+use crate::tiles::points::{CELLS, FINE_CELLS, points_of};
 use crate::tiles::watch::{OfTile, one_by_one};
 use glam::{DVec3, IVec3};
 
@@ -101,7 +101,7 @@ impl Work<'_> {
             BlockBox { lo: place_of(lo, block), hi: place_of(hi, block) + 1 }.touches(around)
         };
         let nodes = nodes(&Mesh { positions, triangles }, self.wanted()?, is_near);
-        let points = points_of(self.folder, self.plan, around, self.monitor)?;
+        let points = points_of(self.folder, self.plan, around, CELLS, self.monitor)?;
         let outline = self.folder.outline()?;
         let mut placed = place_nodes(&nodes, points, &self.samples(around)?, &self.plan.sampling, &outline);
         placed.retain(|node| cube.blocks().contains(place_of(node.position, block)));
@@ -114,7 +114,7 @@ impl Work<'_> {
         let triangles = triangulate_nodes(&nodes, &OfTile(self.monitor))?;
         let whole = Mesh { positions: nodes.iter().map(|s| s.position).collect(), triangles };
         let selected = self.owned(&whole, cube);
-        let points = points_of(self.folder, self.plan, around(cube), self.monitor)?;
+        let points = self.surface_points(cube)?;
         let part = PartOfMesh {
             whole: &whole,
             selected: &selected,
@@ -185,6 +185,12 @@ impl Work<'_> {
         (0..mesh.triangles.len()).map(|t| cube.owns(mesh.corners(t), block)).collect()
     }
 
+    /// Returns the points in and around a cube through which the surface passes.
+    fn surface_points(&self, cube: Cube) -> Result<Vec<TilePoint>> {
+        let cells = if self.plan.sampling.is_sharp { FINE_CELLS } else { CELLS };
+        points_of(self.folder, self.plan, around(cube), cells, self.monitor)
+    }
+
     /// Returns the points near the `selected` triangles of a cube.
     fn near(&self, cube: Cube, mesh: &Mesh, selected: &[bool]) -> Result<Vec<TilePoint>> {
         let corners = mesh.triangles.iter().zip(selected).filter(|t| *t.1).flat_map(|t| t.0);
@@ -196,7 +202,7 @@ impl Work<'_> {
         }
         let corners: Vec<DVec3> = corners.into_iter().map(|v| mesh.positions[v as usize]).collect();
         let near = Neighbors::new(&corners);
-        let mut points = points_of(self.folder, self.plan, around(cube), self.monitor)?;
+        let mut points = self.surface_points(cube)?;
         let mut found = Vec::new();
         points.retain(|point| {
             near.collect_nearest_within(point.position, 1, NEAR * self.plan.sampling.sigma, &mut found);

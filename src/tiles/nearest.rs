@@ -11,7 +11,7 @@ use crate::spectral::lattice::place_of;
 use crate::tiles::folder::TileFolder;
 use crate::tiles::pieces::Cube;
 use crate::tiles::plan::Plan;
-use crate::tiles::points::{NUMBER, kept_in};
+use crate::tiles::points::{CELLS, NUMBER, kept_in};
 use crate::transfer::vertex::{Carried, carry_at_vertices};
 use glam::{DVec3, IVec3};
 
@@ -65,7 +65,8 @@ fn nearest_rows(
     for vertices in vertices.chunk_by(|v, w| cube(v) == cube(w)) {
         check(monitor)?;
         let around = cube(&vertices[0]).blocks().grown(IVec3::splat(HALO));
-        let points = kept_in(folder, plan, around, monitor, |point, row| (point.position, Box::<[u8]>::from(row)))?;
+        let points =
+            kept_in(folder, plan, around, CELLS, monitor, |point, row| (point.position, Box::<[u8]>::from(row)))?;
         let near = Neighbors::new(&points.iter().map(|point| point.0).collect::<Vec<_>>());
         let nearest = parallel::map_with(0..vertices.len(), Vec::new, |found, i| {
             near.collect_nearest(positions[vertices[i]], 1, found);

@@ -19,6 +19,8 @@ pub struct PlanOptions {
     pub memory: u64,
     /// Minimum number of tiles, if there can be as many.
     pub tiles: usize,
+    /// Whether to look for sharp edges, which meshes keep.
+    pub sharp_edges: bool,
 }
 
 /// How a cloud is sampled tile by tile.

@@ -11,7 +11,7 @@ use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
     INTERPOLATING_SUPPORT, NormalNeighborhood, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions,
-    count_in_tile, survey, volume,
+    count_in_tile, has_sharp_edges, survey, volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
 use crate::prepare::thin::{Thinned, Wanted};
@@ -20,7 +20,7 @@ use crate::spectral::lattice::{BlockBox, place_of};
 use crate::spectral::measure::RADIUS;
 use crate::tiles::folder::TileFolder;
 use crate::tiles::plan::{Plan, PlanOptions};
-use crate::tiles::points::{blocks_of, bucket_of, points_of};
+use crate::tiles::points::{CELLS, blocks_of, bucket_of, points_of};
 use crate::tiles::watch::OfTile;
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
@@ -83,6 +83,7 @@ pub fn make_plan(
         sweeps: (!scan_only).then_some(*sweeps),
         support: cloud.smooth.filter(|&support| support != 0.0).unwrap_or(INTERPOLATING_SUPPORT),
         is_sided,
+        is_sharp: options.sharp_edges && has_sharp_edges(&outline, &OfTile(monitor))?,
     };
     monitor.stage("sort");
     let (chunks, sorted) = sorted(&file, wanted, folder, sampling.block(), monitor)?;
@@ -211,7 +212,7 @@ fn calibrate(plan: &mut Plan, folder: &TileFolder, may_smooth: bool, monitor: &d
         check(monitor)?;
         let count = |bucket: &IVec3| {
             let tile = blocks_of(*bucket);
-            let points = points_of(folder, plan, tile.grown(IVec3::ONE), monitor)?;
+            let points = points_of(folder, plan, tile.grown(IVec3::ONE), CELLS, monitor)?;
             count_in_tile(points, tile, &plan.sampling, &outline, &OfTile(monitor))
         };
         let found: Vec<usize> = parallel::each(&chosen, count).into_iter().collect::<Result<_>>()?;
@@ -255,7 +256,7 @@ fn chosen_buckets(plan: &Plan, counts: &FxHashMap<[i32; 3], usize>) -> Vec<IVec3
 
 /// Determines how noisy some of the points are, and the support radius that this requires.
 fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monitor: &dyn Monitor) -> Result<()> {
-    let positions: Vec<DVec3> = points_of(folder, plan, blocks, monitor)?.iter().map(|p| p.position).collect();
+    let positions: Vec<DVec3> = points_of(folder, plan, blocks, CELLS, monitor)?.iter().map(|p| p.position).collect();
     match flatness(&positions, &Neighbors::new(&positions)) {
         Flatness::AtOnce => return Ok(()),
         Flatness::NotQuite => {}

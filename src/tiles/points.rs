@@ -16,7 +16,10 @@ use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
 /// Number of cells of a block along each axis: on a surface, four to five points for each sample.
-const CELLS: i32 = 16;
+pub(super) const CELLS: i32 = 16;
+
+/// Number of cells of a block where sharp edges are restored, which takes about nine points for each sample.
+pub(super) const FINE_CELLS: i32 = 32;
 
 /// Number of bytes of the point number before each row.
 pub(super) const NUMBER: usize = 4;
@@ -35,7 +38,7 @@ pub(super) fn blocks_of(bucket: IVec3) -> BlockBox {
     BlockBox { lo: BUCKET * bucket, hi: BUCKET * (bucket + 1) }
 }
 
-/// Returns the points of some blocks. Any two of them are in the same order wherever they are read.
+/// Returns the points of some blocks, of which each has `cells` cells along each axis. Any two of them are in the same order wherever they are read.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if they cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the
@@ -44,9 +47,10 @@ pub(super) fn points_of(
     folder: &TileFolder,
     plan: &Plan,
     blocks: BlockBox,
+    cells: i32,
     monitor: &dyn Monitor,
 ) -> Result<Vec<TilePoint>> {
-    kept_in(folder, plan, blocks, monitor, |point, _| point)
+    kept_in(folder, plan, blocks, cells, monitor, |point, _| point)
 }
 
 /// Returns what `keep` makes of the points of some blocks and their rows, in the order of [`points_of`].
@@ -57,6 +61,7 @@ pub(super) fn kept_in<T: Send>(
     folder: &TileFolder,
     plan: &Plan,
     blocks: BlockBox,
+    cells: i32,
     monitor: &dyn Monitor,
     keep: impl Fn(TilePoint, &[u8]) -> T + Sync,
 ) -> Result<Vec<T>> {
@@ -67,7 +72,7 @@ pub(super) fn kept_in<T: Send>(
     let of_bucket = |chunks: &[Chunk]| {
         check(monitor)?;
         let rows = folder.rows(chunks)?;
-        let kept = thinned(&rows, chunks[0].place.into(), blocks, plan.sampling.block(), &table);
+        let kept = thinned(&rows, chunks[0].place.into(), blocks, (plan.sampling.block(), cells), &table);
         Ok(kept.into_iter().map(|(point, row)| keep(point, row)).collect())
     };
     let kept: Vec<Vec<T>> = parallel::each(buckets, of_bucket).into_iter().collect::<Result<_>>()?;
@@ -79,10 +84,10 @@ fn thinned<'a>(
     rows: &'a [u8],
     bucket: IVec3,
     blocks: BlockBox,
-    block: f64,
+    (block, cells): (f64, i32),
     table: &Table,
 ) -> Vec<(TilePoint, &'a [u8])> {
-    let cell = block / f64::from(CELLS);
+    let cell = block / f64::from(cells);
     let mut kept: FxHashMap<u32, (f64, TilePoint, &[u8])> = FxHashMap::default();
     for row in rows.chunks_exact(NUMBER + table.row) {
         let (number, row) = row.split_at(NUMBER);
@@ -94,7 +99,7 @@ fn thinned<'a>(
         let off_centre = seen.position.distance_squared(cell * (place.as_dvec3() + 0.5));
         let number = u32::from_le_bytes(number.try_into().expect("four bytes"));
         let point = TilePoint { number, position: seen.position, normal: seen.normal };
-        let key = 2 * morton(place - BUCKET * CELLS * bucket) + u32::from(seen.normal.dot(ACROSS) < 0.0);
+        let key = 2 * morton(place - BUCKET * cells * bucket) + u32::from(seen.normal.dot(ACROSS) < 0.0);
         let best = kept.entry(key).or_insert((off_centre, point, row));
         if (off_centre, number) < (best.0, best.1.number) {
             *best = (off_centre, point, row);
@@ -107,7 +112,7 @@ fn thinned<'a>(
 
 /// Returns the place of a cell of a bucket along a Z-order curve.
 fn morton(cell: IVec3) -> u32 {
-    let spread = |x: i32| (0..7).fold(0, |sum, bit| sum | (x as u32 >> bit & 1) << (3 * bit));
+    let spread = |x: i32| (0..8).fold(0, |sum, bit| sum | (x as u32 >> bit & 1) << (3 * bit));
     spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
 }
 

@@ -4,7 +4,7 @@ use crate::base::error::Result;
 use crate::base::monitor::{Monitor, check};
 use crate::pipeline::sample_tile;
 use crate::tiles::folder::TileFolder;
-use crate::tiles::points::points_of;
+use crate::tiles::points::{CELLS, points_of};
 use crate::tiles::watch::{OfTile, one_by_one};
 
 /// Samples the tile with this number, counted from 0, and writes its samples to the folder.
@@ -20,7 +20,7 @@ pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> 
         return Err(folder.error(cause, "give a smaller number"));
     }
     let tile = plan.tile_box(number);
-    let points = points_of(folder, &plan, plan.sampling.needed(tile), monitor)?;
+    let points = points_of(folder, &plan, plan.sampling.needed(tile), CELLS, monitor)?;
     check(monitor)?;
     let samples = sample_tile(points, tile, &plan.sampling, &outline, &OfTile(monitor))?;
     folder.write_samples(number, samples)

@@ -44,7 +44,7 @@ fn stretched(count: usize, with_normals: bool, length: f64) -> (tempfile::TempDi
 
 fn options(points: usize, tiles: usize) -> PlanOptions {
     let sample = SampleOptions { density: SampleDensity::Points(points), sweeps: 3, ..SampleOptions::default() };
-    PlanOptions { sample, memory: u64::MAX, tiles }
+    PlanOptions { sample, memory: u64::MAX, tiles, sharp_edges: true }
 }
 
 /// Gives the points of a file colours that depend on their position, and a label for each side of the plane x = 0.
@@ -147,6 +147,56 @@ fn any_tiling_gives_the_same_sound_mesh() {
     has_attributes_of_near_points(&mesh, &carried, shape.edge_mean);
     let (other, plan) = meshed(4, 1);
     assert!(plan.tiles.len() >= 4 && other == (mesh, carried));
+}
+
+/// Returns a temporary folder and a file in it with random points of a box around the origin.
+fn boxed(count: usize, size: DVec3) -> (tempfile::TempDir, PathBuf) {
+    let mut rng = stream(6, Stage::Candidates);
+    let areas = [size.y * size.z, size.z * size.x, size.x * size.y];
+    let positions = (0..count).map(|_| {
+        let [u, v, w] = [0; 3].map(|_| unit(&mut rng) - 0.5);
+        let chosen = unit(&mut rng) * areas.iter().sum::<f64>();
+        let axis = if chosen < areas[0] { 0 } else { 1 + usize::from(chosen > areas[0] + areas[1]) };
+        let mut point = dvec3(u, v, w);
+        point[axis] = 0.5f64.copysign(point[axis]);
+        size * point
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("box.ply");
+    let points = Points::without_normals(positions.collect());
+    write_points_file(&path, &points, &Attributes::default(), None).unwrap();
+    (folder, path)
+}
+
+#[test]
+#[ignore = "slow"]
+fn sharp_edges_stay_in_any_tiling() {
+    let size = dvec3(6.0, 1.0, 1.0);
+    let (_folder, path) = boxed(200_000, size);
+    let meshed = |tiles: usize, sharp_edges: bool| {
+        let work = tempfile::tempdir().unwrap();
+        let folder = TileFolder::at(work.path()).unwrap();
+        let plan = make_plan(&path, None, &folder, &PlanOptions { sharp_edges, ..options(8_000, tiles) }, &()).unwrap();
+        sample_tiles(&folder, &[], &()).unwrap();
+        let made = |numbers: std::ops::Range<usize>| numbers.rev().try_for_each(|n| mesh_one(&folder, n, &()));
+        rounds(&plan).into_iter().try_for_each(made).unwrap();
+        merge_mesh(&folder).unwrap()
+    };
+    let mesh = meshed(1, true);
+    let report = Report::of_pieces(&mesh, &Carried::default(), Some(8_000));
+    assert!(report.faults().is_empty() && report.output.topology.euler == 2, "{:?}", report.faults());
+    // The two flat triangles of a side meet across each of its edges; cutting these off would cost volume.
+    let volume = |mesh: &Mesh| {
+        (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum::<f64>() / 6.0
+    };
+    let [sharp, round] = [&mesh, &meshed(1, false)].map(|mesh| 6.0 - volume(mesh));
+    assert!(sharp.abs() < 1e-3 && round > 0.01, "{sharp} {round}");
+    for corner in 0..8 {
+        let corner = size * (dvec3(f64::from(corner & 1), f64::from(corner >> 1 & 1), f64::from(corner >> 2)) - 0.5);
+        let nearest = mesh.positions.iter().map(|p| p.distance(corner)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 0.01, "{corner}: {nearest}");
+    }
+    assert_eq!(meshed(4, true), mesh);
 }
 
 /// Checks that the vertices have about the colours and labels that [`color`] gives there, and newly computed normals.
@@ -346,7 +396,7 @@ mod command {
         fs::rename(home.join("work"), home.join("temp/c.ply.remesh-tiles")).unwrap();
         let kept = TileFolder::at(&home.join("temp/c.ply.remesh-tiles")).unwrap();
         let sample = SampleOptions { density: SampleDensity::Points(21_000), ..SampleOptions::default() };
-        kept.note(&home.join("cloud.ply"), &PlanOptions { sample, memory: 0, tiles: 1 }).unwrap();
+        kept.note(&home.join("cloud.ply"), &PlanOptions { sample, memory: 0, tiles: 1, sharp_edges: true }).unwrap();
         let out = remesh(home, &format!("cloud.ply c.ply {line} --resume"));
         assert!(out.status.success() && !String::from_utf8(out.stderr).unwrap().contains("temporary files"));
         assert!(fs::read(home.join("c.ply")).unwrap() == fs::read(home.join("b.ply")).unwrap());

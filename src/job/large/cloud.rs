@@ -36,7 +36,7 @@ pub fn sample_in_tiles(file: &LargeFile, options: &SampleOptions, monitor: &dyn 
     if !is_done {
         return Ok(None);
     }
-    let (workspace, folder) = planned(file, options, BYTES_OF_SAMPLE, monitor)?;
+    let (workspace, folder) = planned(file, options, false, BYTES_OF_SAMPLE, monitor)?;
     sample_tiles(&folder, &[], monitor)?;
     monitor.stage("merge");
     let sampled = merge(&folder, monitor)?;
@@ -57,7 +57,8 @@ pub fn remesh_in_pieces(
 ) -> Result<Option<Outcome>> {
     let can_be = |sample: &SampleOptions| is_dense(file, sample) && can_plan(file.path, file.format, sample);
     let Some(sample) = in_pieces(options, file.out_of_core.memory()).filter(can_be) else { return Ok(None) };
-    let (workspace, folder) = planned(file, &sample, BYTES_OF_SAMPLE + BYTES_OF_VERTEX, monitor)?;
+    let sharp_edges = options.surface.features != Features::Smooth;
+    let (workspace, folder) = planned(file, &sample, sharp_edges, BYTES_OF_SAMPLE + BYTES_OF_VERTEX, monitor)?;
     let plan = folder.plan()?;
     if plan.is_thick || (plan.points as u64) < POINTS_PER_VERTEX * wanted(&sample) {
         workspace.clear();
@@ -142,10 +143,11 @@ fn wanted(sample: &SampleOptions) -> u64 {
 fn planned(
     file: &LargeFile,
     sample: &SampleOptions,
+    sharp_edges: bool,
     bytes_per_sample: u64,
     monitor: &dyn Monitor,
 ) -> Result<(Workspace, TileFolder)> {
-    let options = PlanOptions { sample: sample.clone(), memory: file.out_of_core.memory(), tiles: 1 };
+    let options = PlanOptions { sample: sample.clone(), memory: file.out_of_core.memory(), tiles: 1, sharp_edges };
     let workspace = Workspace::of(file)?;
     let folder = workspace.folder()?;
     let is_begun = file.out_of_core.resume && folder.is_of(file.path, &options);

@@ -1,5 +1,6 @@
 //! Sharp edges in the mesh of a cloud.
 
+use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::MeshOfPoints;
 use crate::pipeline::density::Density;
 use crate::pipeline::scale::{Scale, spacing_on};
@@ -11,7 +12,7 @@ use crate::surface::features::{BETWEEN_PLANES, Features, SHORTEST};
 const SPARSEST: f64 = 2.8;
 
 /// Radius of the points of a plane in spacings of the result, and its limits in rings of neighbours.
-const RADIUS: f64 = 0.5;
+const RADIUS: f64 = 0.55;
 const FEWEST_RINGS: f64 = 1.0;
 const MOST_RINGS: f64 = 3.0;
 
@@ -27,20 +28,30 @@ impl MeshOfPoints {
             Features::Degrees(angle) => angle,
             Features::Edges(_) | Features::Smooth => return features,
         };
-        let area = self.mesh.area();
-        let of_points = Scale::of_points(self.mesh.positions.len(), area).spacing;
-        let spacing = spacing_on(area, density).unwrap_or(FINEST * of_points);
-        let ratio = spacing / of_points;
         // A sheet is a regular grid, not the points themselves.
-        if ratio < SPARSEST || self.summary.plan_cell > 0.0 {
+        if self.summary.plan_cell > 0.0 {
             return features;
         }
-        let rings = (RADIUS * ratio).round().clamp(FEWEST_RINGS, MOST_RINGS) as usize;
-        let wanted = SharpEdges { angle, shortest: SHORTEST * spacing, rings };
+        let spacing = spacing_on(self.mesh.area(), density);
+        let spacing = spacing.unwrap_or_else(|| FINEST * spacing_of_vertices(&self.mesh));
+        let Some(wanted) = sharp_edges(&self.mesh, angle, spacing) else { return features };
         let Some(Sharpened { mesh, beside, edges }) = sharpened(&self.mesh, &wanted) else { return features };
         self.mesh = mesh;
         self.source.extend(beside.iter().map(|&v| self.source[v as usize]).collect::<Vec<_>>());
         self.summary.on_sharp_edges = beside.len();
         Features::Edges(edges)
     }
+}
+
+/// Returns the sharp edges to restore in a mesh through points, for a result with this `spacing`; `None` if the points are too
+/// few for that.
+pub(in crate::pipeline) fn sharp_edges(mesh: &Mesh, angle: f64, spacing: f64) -> Option<SharpEdges> {
+    let ratio = spacing / spacing_of_vertices(mesh);
+    let rings = (RADIUS * ratio).round().clamp(FEWEST_RINGS, MOST_RINGS) as usize;
+    (ratio >= SPARSEST).then_some(SharpEdges { angle, shortest: SHORTEST * spacing, rings })
+}
+
+/// Mean distance of neighbouring vertices.
+fn spacing_of_vertices(mesh: &Mesh) -> f64 {
+    Scale::of_points(mesh.positions.len(), mesh.area()).spacing
 }

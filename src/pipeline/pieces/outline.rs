@@ -1,16 +1,17 @@
 //! Outline of a large cloud: a few of its points that provide what its parts cannot know by themselves: which side of the
 //! surface is outside, and the kernel width for a number of samples.
 
-use crate::base::error::Result;
+use crate::base::error::{Error, Result};
 use crate::base::monitor::Monitor;
 use crate::mesh::points::Points;
 use crate::pipeline::cloud::options::CloudOptions;
-use crate::pipeline::cloud::prepared;
-use crate::pipeline::density::SampleDensity;
+use crate::pipeline::cloud::{mesh_of_points, prepared};
+use crate::pipeline::density::{Density, SampleDensity};
 use crate::pipeline::scale::Scale;
 use crate::prepare::orient::sided;
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::scan::{Given, Kernel, scan_lifted};
+use crate::surface::features::Features;
 use crate::surface::lift::{Lift, bare_samples};
 use glam::DVec3;
 
@@ -66,6 +67,18 @@ pub fn survey(
         }
     };
     Ok(Survey { outline: cloud.points, is_sided, is_thick, sigma })
+}
+
+/// Returns whether the surface through an outline has sharp edges.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
+pub fn has_sharp_edges(outline: &Points, monitor: &dyn Monitor) -> Result<bool> {
+    match mesh_of_points(outline, &CloudOptions::default(), monitor) {
+        Ok(mut through) => Ok(through.sharpen(Features::Automatic, Density::Auto) != Features::Automatic),
+        Err(Error::Mesh { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
 }
 
 impl Outline {

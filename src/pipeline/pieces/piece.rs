@@ -4,7 +4,8 @@
 //! is optimised within its rim, which stays fixed; the strips along rims are optimised as separate pieces.
 //!
 //! Departures from remeshing a whole cloud: a base mesh ([`base_mesh`](crate::pipeline::base_mesh)) determines the
-//! arrangement of the vertices, sharp edges are rounded like everything else, and the boundary is that of the nodes.
+//! arrangement of the vertices, which then move onto sharp edges ([`conform`](crate::pipeline::pieces::conform)), and the
+//! boundary is that of the nodes.
 
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
@@ -24,14 +25,19 @@ use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::untangle::{Aim, untangle};
 use crate::pipeline::attempts::mend::MODEST;
 use crate::pipeline::attempts::optimization::optimize_ordered;
+use crate::pipeline::cloud::options::INTERPOLATING_SUPPORT;
+use crate::pipeline::cloud::sharp::sharp_edges;
+use crate::pipeline::pieces::conform::Conformed;
 use crate::pipeline::pieces::outline::Outline;
 use crate::pipeline::pieces::tile::{Part, TileOptions, TilePoint};
 use crate::pipeline::scale::Scale;
 use crate::prepare::repair::repair;
+use crate::prepare::sharpen::{Sharpened, sharpened};
 use crate::spatial::bvh::Bvh;
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::surface::domain::{Domain, Sample};
+use crate::surface::features::{BETWEEN_PLANES, Features};
 use crate::surface::implicit::Rimls;
 use crate::triangulate::points::triangulate_part;
 use crate::triangulate::surroundings::Surroundings;
@@ -96,19 +102,19 @@ pub fn optimize_piece(
         let source = mesh.positions.iter().map(|&p| joined.get(&place(p)).copied().unwrap_or(NONE)).collect();
         MadeAnew { mesh, source }
     };
-    let surface = surface_of(points, options, outline, monitor)?;
+    let (surface, features) = surface_of(points, options, outline, monitor)?;
     if surface.triangles.is_empty() || part.mesh.triangles.is_empty() {
         return Ok(piece(part.mesh.clone()));
     }
-    let domain = Domain::new(surface);
-    let rim = Rim::of(&part.mesh);
-    let mut mesh = rim.laid_on(&domain, &part.mesh);
-    let disordered = VertexSet::new(&mesh, |v| {
-        let source = of_whole(v);
-        source != NONE && disordered[source as usize]
-    });
     let wanted = part.mesh.positions.len().saturating_add_signed(-*spare as isize);
     let scale = Scale { wanted, spacing: Scale::spacing_of_sigma(options.sigma) };
+    let domain = Domain::with_features(surface, features, scale.spacing);
+    let rim = Rim::of(&part.mesh);
+    let (mut mesh, moved) = rim.laid_on(&domain, &part.mesh, scale.spacing);
+    let disordered = VertexSet::new(&mesh, |v| {
+        let source = of_whole(v);
+        moved[v as usize] || source != NONE && disordered[source as usize]
+    });
     let watched = nearest_to(&domain, &whole, &selected);
     optimize_ordered(&domain, &mut mesh, &scale, disordered, watched, monitor)?;
     resolve_self_intersections(&domain, &mut mesh, monitor)?;
@@ -119,23 +125,35 @@ pub fn optimize_piece(
     Ok(piece(mesh.to_mesh()))
 }
 
-/// Builds the surface through `points`.
+/// Builds the surface through `points`, with its sharp edges.
 fn surface_of(
     points: Vec<TilePoint>,
     options: &TileOptions,
     outline: &Outline,
     monitor: &dyn Monitor,
-) -> Result<OrientedManifold> {
+) -> Result<(OrientedManifold, Features)> {
     let Part { samples, spacings, near, .. } = Part::new(points, options, outline);
     let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
     let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
     // The nodes lie on this surface. Without noise it hardly differs from the points, but the absence of noise is not
     // certain.
-    let (positions, normals) = Rimls::new(&positions, &normals, &near, &spacings, options.support).smoothed();
+    let is_smoothed = !options.is_sharp || options.support != INTERPOLATING_SUPPORT;
+    let (positions, normals) = if is_smoothed {
+        Rimls::new(&positions, &normals, &near, &spacings, options.support).smoothed()
+    } else {
+        // Smoothing would round the edges off over a few points.
+        (positions, normals)
+    };
     let triangles = triangles_between(&positions, &normals, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     mesh.drop_unused();
-    Ok(repair(&mesh).0)
+    let (surface, _) = repair(&mesh);
+    let spacing = Scale::spacing_of_sigma(options.sigma);
+    let wanted = options.is_sharp.then(|| sharp_edges(&surface, BETWEEN_PLANES, spacing)).flatten();
+    let Some(Sharpened { mesh, edges, .. }) = wanted.and_then(|wanted| sharpened(&surface, &wanted)) else {
+        return Ok((surface, Features::Smooth));
+    };
+    Ok((repair(&mesh).0, Features::Edges(edges)))
 }
 
 fn triangles_between(positions: &[DVec3], normals: &[DVec3], monitor: &dyn Monitor) -> Result<Vec<[u32; 3]>> {
@@ -179,16 +197,22 @@ impl Rim {
         Some(lower_first([a?, b?]))
     }
 
-    /// Lays the part on the domain as a manifold.
-    fn laid_on(&self, domain: &Domain, part: &Mesh) -> Manifold {
+    /// Lays the part on the domain as a manifold. Also returns, for each vertex, whether it moved onto a sharp edge.
+    fn laid_on(&self, domain: &Domain, part: &Mesh, spacing: f64) -> (Manifold, Vec<bool>) {
         let facing = part.positions.iter().zip(vertex_normals(part));
         let mut samples: Vec<Sample> = facing.map(|(&p, normal)| domain.project_facing(p, normal)).collect();
         let on_rim = self.edges.as_flattened();
         on_rim.iter().for_each(|&v| samples[v as usize].position = part.positions[v as usize]);
+        let is_on_rim = VertexSet::from(
+            (0..samples.len() as u32).map(|v| self.vertex_at(part.positions[v as usize]).is_some()).collect::<Vec<_>>(),
+        );
+        let Conformed { samples, edges: sharp, corners, has_moved } =
+            Conformed::new(domain, samples, &part.triangles, |v| is_on_rim.contains(v), spacing);
         let mut mesh = Manifold::new(samples, &part.triangles);
+        mesh.mark_curves(&sharp, corners);
         let edges: Vec<_> = self.edges.iter().map(|&ends| (ends, OnCurve::Interface)).collect();
         mesh.mark_curves(&edges, on_rim.iter().copied());
-        mesh
+        (mesh, has_moved)
     }
 
     /// Splits edges between rim vertices that the part did not have: the mesh beyond the rim may also have them.
@@ -242,7 +266,7 @@ mod tests {
         let part = Mesh { positions, triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]] };
         let domain = Domain::new(part.clone().try_into().unwrap());
         let rim = Rim::of(&part);
-        let mut mesh = rim.laid_on(&domain, &part);
+        let (mut mesh, _) = rim.laid_on(&domain, &part, 1.0);
         assert!(rim.new_chords(&mesh).is_empty());
         let h = mesh.connectivity.outgoing(1).find(|&h| mesh.connectivity.target(h) == 4).unwrap();
         mesh.connectivity.flip(h);

@@ -112,7 +112,15 @@ mod tests {
             .collect();
         let outline = Outline::new(Points::from_pairs(points.iter().map(|p| (p.position, p.normal))));
         let sigma = Scale::sigma_of_spacing(0.1);
-        let options = TileOptions { sigma, cell: 2.0 * sigma, seed: 0, sweeps: None, support: 2.3, is_sided: true };
+        let options = TileOptions {
+            sigma,
+            cell: 2.0 * sigma,
+            seed: 0,
+            sweeps: None,
+            support: 2.3,
+            is_sided: true,
+            is_sharp: false,
+        };
         let nodes = plane(20, 0.03).into_iter().filter(|&p| is_there(p));
         let nodes: Vec<Node> =
             nodes.map(|position| Node { position, normal: DVec3::Z }).chain(more.iter().copied()).collect();

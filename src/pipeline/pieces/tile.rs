@@ -56,6 +56,8 @@ pub struct TileOptions {
     pub support: f64,
     /// Whether given normals are on a common side.
     pub is_sided: bool,
+    /// Whether the surface has sharp edges.
+    pub is_sharp: bool,
 }
 
 /// Point of a cloud.

@@ -116,6 +116,11 @@ impl Domain {
         }
     }
 
+    /// Returns the sharp edge closest to `p`, as the number of its curve, if there is any.
+    pub fn nearest_sharp_curve(&self, p: DVec3) -> Option<u32> {
+        self.curves.nearest(p, |side| self.across.get(side) != NONE)
+    }
+
     fn at_hit(&self, hit: Hit) -> Sample {
         self.sample(hit.triangle, barycentric(hit.point, self.mesh.corners(hit.triangle as usize)))
     }
