@@ -7,9 +7,9 @@ use crate::pipeline::scale::{Scale, spacing_on};
 use crate::prepare::sharpen::{SharpEdges, Sharpened, sharpened};
 use crate::surface::features::{BETWEEN_PLANES, Features, SHORTEST};
 
-/// Minimum spacing of the result, in those of the points, for restoring sharp edges. If the points are sparser, details of a
-/// few of them matter, and planes through their neighbours miss these.
-const SPARSEST: f64 = 2.8;
+/// Minimum spacing of the result, in those of the points, for restoring sharp edges: that of three points per vertex. If there
+/// are fewer, details of a few of them matter, and planes through neighbours miss these.
+const SPARSEST: f64 = 1.7;
 
 /// Radius of the points of a plane in spacings of the result, and its limits in rings of neighbours.
 const RADIUS: f64 = 0.55;
