@@ -67,7 +67,8 @@ pub fn crossing_faces(domain: &Domain, mesh: &Manifold) -> Vec<u32> {
 /// Returns the `pairs` at places where the surface does not intersect itself.
 fn avoidable(pairs: &[(u32, u32)], domain: &Domain, mesh: &Manifold) -> Vec<(u32, u32)> {
     let crossing = faces_of(pairs.to_vec()).into_iter();
-    let need_not: BTreeMap<u32, bool> = crossing.map(|t| (t, !domain.inherited().is_near(mesh.corners(t)))).collect();
+    let need_not: BTreeMap<u32, bool> =
+        crossing.map(|t| (t, !domain.intersects_itself_near(mesh.corners(t)))).collect();
     pairs.iter().copied().filter(|(t, u)| need_not[t] || need_not[u]).collect()
 }
 

@@ -12,7 +12,7 @@ use crate::manifold::neighborhood::Neighborhood;
 use crate::manifold::small_angles::{SLIVER, SmallAngle, small_angles};
 use crate::optimize::angles::Goal;
 use crate::optimize::crossings::{Corners, length_of_fold};
-use crate::spatial::self_intersections::Inherited;
+use crate::surface::domain::Domain;
 use crate::surface::narrow_patches::SHARPEST;
 use std::cmp::Ordering;
 
@@ -68,9 +68,9 @@ struct Crossing {
 }
 
 impl Crossing {
-    fn new(inherited: &Inherited, (face, a): (u32, Corners), (other, b): (Option<u32>, Corners)) -> Crossing {
+    fn new(domain: &Domain, (face, a): (u32, Corners), (other, b): (Option<u32>, Corners)) -> Crossing {
         let length = crossing_segment(a, b).map_or_else(|| length_of_fold(a, b), |segment| segment.length);
-        Crossing { face, other, length, is_inherited: inherited.is_near(a) && inherited.is_near(b) }
+        Crossing { face, other, length, is_inherited: [a, b].into_iter().all(|t| domain.intersects_itself_near(t)) }
     }
 
     fn own_faces(&self) -> impl Iterator<Item = u32> {
@@ -80,17 +80,11 @@ impl Crossing {
 
 impl Faults {
     /// Returns the faults of the mesh with these `faces` if `around` were put back. `before` are the faults that it had
-    /// before some of it changed, or none. `inherited` says where the surface crosses.
-    pub fn new(
-        inherited: &Inherited,
-        faces: &Faces,
-        counted: Counted,
-        around: &Neighborhood,
-        before: &Faults,
-    ) -> Faults {
+    /// before some of it changed, or none.
+    pub fn new(domain: &Domain, faces: &Faces, counted: Counted, around: &Neighborhood, before: &Faults) -> Faults {
         let mesh = &around.mesh;
         let own: Vec<(u32, Corners)> = mesh.triangles().map(|t| (t, mesh.corners(t))).collect();
-        let crossings = crossings(inherited, faces, around, &own, before);
+        let crossings = crossings(domain, faces, around, &own, before);
         let as_surface = crossings.iter().filter(|crossing| crossing.is_inherited).count();
         let small: Vec<SmallAngle> = small_angles(mesh, counted.angles_below.max(SLIVER)).collect();
         let unforced =
@@ -160,7 +154,7 @@ fn blades(mesh: &Manifold) -> usize {
 
 /// Returns the crossings of the `own` faces of `around`, among themselves and with the `faces` around it.
 fn crossings(
-    inherited: &Inherited,
+    domain: &Domain,
     faces: &Faces,
     around: &Neighborhood,
     own: &[(u32, Corners)],
@@ -176,12 +170,12 @@ fn crossings(
     for (i, &(t, a, bounds)) in new.iter().enumerate() {
         for &(u, b, other) in old.iter().chain(&new[..i]) {
             if other.meets(&bounds) && cross(a, b) {
-                found.push(Crossing::new(inherited, (t, a), (Some(u), b)));
+                found.push(Crossing::new(domain, (t, a), (Some(u), b)));
             }
         }
         faces.in_box(&bounds, |u, b| {
             if !around.has_triangle(u) && cross(a, b) {
-                found.push(Crossing::new(inherited, (t, a), (None, b)));
+                found.push(Crossing::new(domain, (t, a), (None, b)));
             }
         });
     }

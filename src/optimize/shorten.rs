@@ -18,7 +18,6 @@ use crate::mesh::half_edge::OnCurve;
 use crate::optimize::crossings::{
     Crossings, FARTHEST, Surroundings, acceptable, foot, is_near_surface, length_of_fold, longest_edge,
 };
-use crate::spatial::self_intersections::Inherited;
 use crate::surface::domain::{Domain, Sample};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -66,12 +65,12 @@ struct Common {
 
 impl Common {
     /// Returns what `faces` have in common with others, except near self-intersections of the input.
-    fn of(faces: &BTreeSet<u32>, inherited: &Inherited, mesh: &Manifold, around: &Surroundings) -> Common {
+    fn of(faces: &BTreeSet<u32>, domain: &Domain, mesh: &Manifold, around: &Surroundings) -> Common {
         let mut common = Common::default();
         for &t in faces {
             let own = mesh.corners(t);
             around.each_across(mesh, own, |u, other| {
-                let is_new = t != u && !(inherited.is_near(own) && inherited.is_near(other));
+                let is_new = t != u && !(domain.intersects_itself_near(own) && domain.intersects_itself_near(other));
                 if is_new && common.pairs.insert((t.min(u), t.max(u))) {
                     common.add(mesh, [t, u]);
                 }
@@ -102,11 +101,10 @@ impl Common {
 
 /// Steps down the gradient of the length that the faces of a cluster have in common, while that decreases.
 fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut cluster: BTreeSet<u32>) {
-    let inherited = domain.inherited();
     for _ in 0..STEPS {
         let corners: BTreeSet<u32> = cluster.iter().flat_map(|&t| mesh.connectivity.triangle(3 * t)).collect();
         let stars: BTreeSet<u32> = corners.iter().flat_map(|&v| mesh.connectivity.outgoing(v)).map(|h| h / 3).collect();
-        let mut now = Common::of(&stars, inherited, mesh, around);
+        let mut now = Common::of(&stars, domain, mesh, around);
         now.gradient.retain(|v, _| corners.contains(v));
         if now.gradient.is_empty() {
             break;
@@ -116,7 +114,7 @@ fn shorten(domain: &Domain, mesh: &mut Manifold, around: &mut Surroundings, mut 
         around.changed.extend(&unchanged);
         let shorter = SHARES.into_iter().find_map(|share| {
             step(domain, mesh, &now, share);
-            let after = Common::of(&stars, inherited, mesh, around);
+            let after = Common::of(&stars, domain, mesh, around);
             if after.length < LEAST_PROGRESS * now.length {
                 return Some(after);
             }

@@ -24,7 +24,7 @@ use crate::optimize::exchange::is_near;
 use crate::optimize::faults::{Counted, Faults};
 use crate::optimize::places::{GivenUp, Place, disjoint, relaxed, split};
 use crate::optimize::probes::{Probe, Probes, distance};
-use crate::spatial::self_intersections::{Inherited, faces_of};
+use crate::spatial::self_intersections::faces_of;
 use crate::surface::domain::Domain;
 use glam::DVec3;
 use std::cell::OnceCell;
@@ -110,8 +110,8 @@ fn untangle_counted(
             (in_a_row, given_up) = (MOST_IN_A_ROW, GivenUp::default());
             continue;
         }
-        let (inherited, farthest) = (domain.inherited(), aim.farthest * spacing);
-        let untangling = Untangling { domain, inherited, faces: &crossings.faces, counted, farthest, spacing, monitor };
+        let farthest = aim.farthest * spacing;
+        let untangling = Untangling { domain, faces: &crossings.faces, counted, farthest, spacing, monitor };
         let touched = given_up.change(mesh, &places, |place| untangling.better(place, in_a_row))?;
         crossings.renew(domain, mesh, &touched);
         has_changed |= touched.contains(&true);
@@ -138,8 +138,6 @@ fn faults(mesh: &Manifold, crossings: &Crossings, counted: Counted) -> BTreeSet<
 
 struct Untangling<'a> {
     domain: &'a Domain,
-    /// Where the surface crosses itself.
-    inherited: &'a Inherited,
     /// The faces of the mesh.
     faces: &'a Faces,
     counted: Counted,
@@ -245,7 +243,7 @@ impl Untangling<'_> {
 
     /// Returns the faults of the mesh if `around` were put back; `before` are those that it had before some of it changed.
     fn faults(&self, around: &Neighborhood, before: &Faults) -> Faults {
-        Faults::new(self.inherited, self.faces, self.counted, around, before)
+        Faults::new(self.domain, self.faces, self.counted, around, before)
     }
 }
 
@@ -348,15 +346,8 @@ mod tests {
         let (domain, mesh) = valley_over_sheet(0.1);
         let faces = Faces::new(&mesh);
         let counted = Counted { angles_below: 30.0, inherited: false };
-        let untangling = Untangling {
-            domain: &domain,
-            inherited: domain.inherited(),
-            faces: &faces,
-            counted,
-            farthest: 0.6,
-            spacing: 1.0,
-            monitor: &(),
-        };
+        let untangling =
+            Untangling { domain: &domain, faces: &faces, counted, farthest: 0.6, spacing: 1.0, monitor: &() };
         let upper = mesh.triangles().find(|&t| mesh.corners(t).iter().all(|p| p.z > 0.1)).unwrap();
         let [place] = disjoint(&mesh, &[3 * upper], 1).try_into().unwrap_or_else(|_| unreachable!("one was asked for"));
         let watched = untangling.watched(&place);
@@ -404,8 +395,7 @@ mod tests {
         let counted = Counted { angles_below: SLIVER, inherited: false };
         let middle = mesh.connectivity.outgoing(upper).next().unwrap() / 3;
         let around = Neighborhood::across_curves(&mesh, middle, 2, |_| false).unwrap();
-        let faults =
-            |around: &Neighborhood, before: &Faults| Faults::new(domain.inherited(), &faces, counted, around, before);
+        let faults = |around: &Neighborhood, before: &Faults| Faults::new(&domain, &faces, counted, around, before);
         let before = faults(&around, &Faults::default());
         let changed = changes(&domain, &around, &before.triangles);
         assert!(before.triangles.len() > 3 && changed.len() > 20);

@@ -341,7 +341,7 @@ fn remeshed(
         smoothed_curves: surface.smoothed_curves,
         pinholes: Pinholes { place: unit.outwards_point(surface.pinholes.place), ..surface.pinholes },
         tessellated_patches: finished.tessellated_patches,
-        self_intersections_of_input: intersects.then_some(finished.self_intersections_of_input),
+        self_intersections_of_input: intersects.then(|| surface.self_intersections_of_input()),
         self_intersections: finished.self_intersections,
         new_self_intersections: finished.new_self_intersections,
         slivers,

@@ -225,6 +225,14 @@ impl Bvh {
 
     /// Calls `visit` with every triangle whose bounding box meets the box `wanted`; touching counts.
     pub fn in_box(&self, mesh: &Mesh, wanted: &Aabb, mut visit: impl FnMut(u32)) {
+        self.any_in_box(mesh, wanted, |t| {
+            visit(t);
+            false
+        });
+    }
+
+    /// Returns whether `accept` holds for any triangle whose bounding box meets the box `wanted`; touching counts.
+    pub fn any_in_box(&self, mesh: &Mesh, wanted: &Aabb, mut accept: impl FnMut(u32) -> bool) -> bool {
         let mut aside = [0u32; DEEPEST];
         let mut waiting = 1;
         while waiting > 0 {
@@ -234,14 +242,16 @@ impl Bvh {
                 continue;
             }
             if self.is_leaf(node) {
-                let triangles = self.leaf(node).iter().copied();
-                triangles.filter(|&t| box_of(mesh, t).meets(wanted)).for_each(&mut visit);
+                if self.leaf(node).iter().any(|&t| box_of(mesh, t).meets(wanted) && accept(t)) {
+                    return true;
+                }
             } else {
                 aside[waiting] = 2 * node + 2;
                 aside[waiting + 1] = 2 * node + 1;
                 waiting += 2;
             }
         }
+        false
     }
 
     /// Returns the pairs of triangles whose bounding boxes meet and for which `accept` holds, in increasing order and with

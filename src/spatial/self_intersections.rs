@@ -9,7 +9,6 @@
 //!
 //! Limits: n faces at the same position (copies in a soup) form n² pairs; these are only stored if pairs are requested.
 
-use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
@@ -18,7 +17,7 @@ use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
-use rayon::slice::ParallelSliceMut;
+use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Depth up to which faces count as touching, as a fraction of the diagonal of their mesh: coordinates in single precision
 /// are off by up to a tenth of it.
@@ -38,48 +37,64 @@ pub fn self_intersecting_pairs(mesh: &Mesh, bvh: &Bvh) -> Vec<(u32, u32)> {
 
 /// Returns the self-intersecting faces of `mesh`, in increasing order.
 pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
-    self_intersections_by(mesh, &Bvh::new(mesh))
-}
-
-/// [`self_intersections`] with the hierarchy over `mesh`.
-fn self_intersections_by(mesh: &Mesh, bvh: &Bvh) -> Vec<u32> {
     let depth = depth_of_contact(mesh);
+    let bvh = Bvh::new(mesh);
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
-/// Returns the faces of `mesh` that pass through each other, in increasing order, including those where an edge lies in
-/// another face. `across` gives the twin of each side, or [`NONE`]; `bvh` is the hierarchy over the mesh.
-pub fn faces_passing_through_others(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
-    let mut faces = self_intersections_by(mesh, bvh);
-    faces.extend(faces_passing_along_edges(mesh, across, bvh));
-    faces.sort_unstable();
-    faces.dedup();
-    faces
+/// The faces of a mesh that pass through others, or with an edge that lies in another: two faces that share an edge, on
+/// different sides of a third face in which the edge lies. Taken pair by pair, these three only touch. Each face is tested
+/// when it is first asked for.
+pub struct PassingFaces {
+    /// [`depth_of_contact`]
+    depth: f64,
+    known: Vec<AtomicU8>,
 }
 
-/// Returns the faces of `mesh` that pass through each other along a whole edge, in increasing order: an edge of two faces
-/// lies in a third face, and the two are on different sides of it. Taken pair by pair, these faces only touch.
-fn faces_passing_along_edges(mesh: &Mesh, across: impl Fn(u32) -> u32 + Sync, bvh: &Bvh) -> Vec<u32> {
-    let depth = depth_of_contact(mesh);
-    let corner = |side: u32| mesh.positions[mesh.origin(side) as usize];
-    let mut faces: Vec<u32> = parallel::collect(0..3 * mesh.triangles.len() as u32, |sides| {
-        let mut found = Vec::new();
-        for side in sides.filter(|&s| across(s) != NONE && s < across(s)) {
-            let other = across(side);
-            let edge = [corner(side), corner(next(side))];
-            let tops = [corner(prev(side)), corner(prev(other))];
-            let wanted = Aabb { lo: edge[0].min(edge[1]) - depth, hi: edge[0].max(edge[1]) + depth };
-            bvh.in_box(mesh, &wanted, |t| {
-                if lies_in(mesh.corners(t as usize), edge, tops, depth) {
-                    found.extend([t, side / 3, other / 3]);
-                }
-            });
+/// States of a face.
+const UNKNOWN: u8 = 0;
+const PASSES: u8 = 1;
+const PASSES_NOT: u8 = 2;
+
+impl PassingFaces {
+    /// Those of `mesh`, of which none has been tested.
+    pub fn new(mesh: &Mesh) -> PassingFaces {
+        let known = mesh.triangles.iter().map(|_| AtomicU8::new(UNKNOWN)).collect();
+        PassingFaces { depth: depth_of_contact(mesh), known }
+    }
+
+    /// Returns whether face `t` is one of them. `bvh` is the hierarchy over `mesh`, and `across` gives the twin of each
+    /// side, or [`NONE`]; these must be the same in each call.
+    pub fn has(&self, t: u32, mesh: &Mesh, bvh: &Bvh, across: impl Fn(u32) -> u32) -> bool {
+        let known = &self.known[t as usize];
+        match known.load(Ordering::Relaxed) {
+            UNKNOWN => {
+                let passes = passes_through_others(t, mesh, bvh, across, self.depth);
+                known.store(if passes { PASSES } else { PASSES_NOT }, Ordering::Relaxed);
+                passes
+            }
+            state => state == PASSES,
         }
-        found
-    });
-    faces.par_sort_unstable();
-    faces.dedup();
-    faces
+    }
+}
+
+fn passes_through_others(t: u32, mesh: &Mesh, bvh: &Bvh, across: impl Fn(u32) -> u32, depth: f64) -> bool {
+    let around = Aabb::of_triangle(mesh.corners(t as usize));
+    let wanted = Aabb { lo: around.lo - depth, hi: around.hi + depth };
+    let corner = |side: u32| mesh.positions[mesh.origin(side) as usize];
+    let side_lies_in = |side: u32, face: u32| {
+        let (side, other) = (side.min(across(side)), side.max(across(side)));
+        let tops = || [side, other].map(|side| corner(prev(side)));
+        other != NONE && lies_in(mesh.corners(face as usize), [corner(side), corner(next(side))], tops(), depth)
+    };
+    bvh.any_in_box(mesh, &wanted, |u| {
+        let [first, second] = [t.min(u), t.max(u)].map(|t| mesh.corners(t as usize));
+        let sides = |t: u32| 3 * t..3 * t + 3;
+        t != u
+            && (cross_deeper_than(depth, first, second)
+                || sides(t).any(|side| side_lies_in(side, u))
+                || sides(u).any(|side| side_lies_in(side, t)))
+    })
 }
 
 /// Returns whether a part of an edge lies in a face, and the corners opposite the edge, `tops`, lie on different sides of
@@ -177,7 +192,9 @@ mod tests {
         };
         let passing = |mesh: &Mesh| {
             let twin = twins(&mesh.triangles);
-            faces_passing_along_edges(mesh, |side| twin[side as usize], &Bvh::new(mesh))
+            let (passing, bvh) = (PassingFaces::new(mesh), Bvh::new(mesh));
+            let has = |&t: &u32| passing.has(t, mesh, &bvh, |side| twin[side as usize]);
+            (0..mesh.triangles.len() as u32).filter(has).collect::<Vec<u32>>()
         };
         assert!(self_intersections(&folded([1.0, -1.0])).is_empty());
         assert_eq!(passing(&folded([1.0, -1.0])), [0, 1, 2]);
@@ -222,7 +239,14 @@ mod tests {
             let meet = |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize));
             let expected: Vec<(u32, u32)> = all.filter(|&(t, u)| meet(t, u)).collect();
             assert!(expected.len() > 10);
-            assert_eq!(self_intersecting_pairs(&mesh, &Bvh::new(&mesh)), expected);
+            let bvh = Bvh::new(&mesh);
+            assert_eq!(self_intersecting_pairs(&mesh, &bvh), expected);
+            let passing = PassingFaces::new(&mesh);
+            // The second time, the answers are known.
+            for _ in 0..2 {
+                let found: Vec<u32> = (0..count).filter(|&t| passing.has(t, &mesh, &bvh, |_| NONE)).collect();
+                assert_eq!(found, faces_of(expected.clone()));
+            }
         }
     }
 

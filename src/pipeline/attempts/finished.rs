@@ -23,8 +23,6 @@ pub(in crate::pipeline) struct Finished {
     pub mesh: Mesh,
     pub topology: Topology,
     pub self_intersections: Vec<u32>,
-    /// Number of triangles of the repaired input that intersect others; 0 if none of the mesh do.
-    pub self_intersections_of_input: usize,
     /// Self-intersecting triangles of the mesh where the input does not intersect itself.
     pub new_self_intersections: Vec<u32>,
     /// Triangles of `of_part` that are slivers.
@@ -60,7 +58,6 @@ impl Finished {
         let new_self_intersections = new_among(&self_intersections, &mesh, prepared, surface);
         let slivers = slivers(&manifold);
         let bridges = bridges(&surface.domain, &manifold, surface.scale.spacing);
-        let of_input = if self_intersections.is_empty() { 0 } else { surface.self_intersections_of_input() };
         let score = Score {
             other_topology,
             self_intersections: new_self_intersections.len(),
@@ -74,7 +71,6 @@ impl Finished {
             mesh,
             topology,
             self_intersections,
-            self_intersections_of_input: of_input,
             new_self_intersections,
             slivers,
             bridges,
@@ -127,12 +123,14 @@ fn new_among(faces: &[u32], mesh: &Mesh, prepared: &PreparedInput, surface: &Siz
         return Vec::new();
     }
     let SizedSurface { domain, within, .. } = surface;
-    let corners = |&t: &u32| domain.mesh.corners(t as usize).map(|p| prepared.unit.outwards_point(p));
-    let of_domain = domain.self_intersections().iter().map(corners);
     let of_whole = within.iter().flat_map(|within| {
         let whole = &within.whole;
         self_intersections(whole).into_iter().map(|t| whole.corners(t as usize))
     });
-    let inherited = Inherited::new(of_domain.chain(of_whole));
-    faces.iter().copied().filter(|&t| !inherited.is_near(mesh.corners(t as usize))).collect()
+    let of_whole = Inherited::new(of_whole);
+    let is_new = |&t: &u32| {
+        let corners = mesh.corners(t as usize);
+        !of_whole.is_near(corners) && !domain.intersects_itself_near(corners.map(|p| prepared.unit.inwards_point(p)))
+    };
+    faces.iter().copied().filter(is_new).collect()
 }

@@ -61,7 +61,8 @@ pub(in crate::pipeline) fn mended(
     if prepared.limit().is_some() {
         return Ok(best);
     }
-    for aim in [Aim { most_crossing: best.self_intersections_of_input, ..MODEST }, GOOD] {
+    let most_crossing = if best.self_intersections.is_empty() { 0 } else { surface.self_intersections_of_input() };
+    for aim in [Aim { most_crossing, ..MODEST }, GOOD] {
         let is_worth_it = small_angles(&best, aim) > 0 || best.self_intersections.len() > aim.most_crossing;
         if best.score == Score::SOUND && is_worth_it {
             best = untangled(prepared, surface, best, aim, monitor)?;
@@ -226,9 +227,8 @@ fn changed(
 /// slivers and bridges; then all self-intersections.
 fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
     let SizedSurface { domain, scale, .. } = surface;
-    let inherited = domain.inherited();
     let count = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
-        let new = crossing.iter().filter(|&&corners| !inherited.is_near(corners)).count();
+        let new = crossing.iter().filter(|&&corners| !domain.intersects_itself_near(corners)).count();
         (new + slivers(&place.mesh).len() + bridges(domain, &place.mesh, scale.spacing).len(), crossing.len())
     };
     let [before, after] = changed.self_intersections(faces);

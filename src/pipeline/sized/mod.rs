@@ -12,7 +12,7 @@ pub(in crate::pipeline) mod within;
 use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::mesh::oriented_manifold::OrientedManifold;
-use crate::mesh::topology::{Topology, topology, twins};
+use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::Density;
 use crate::pipeline::kernel::KernelFeatures;
@@ -28,8 +28,7 @@ use crate::pipeline::sized::sampled_domain::{SampledDomain, domain_at};
 use crate::pipeline::sized::sharp_edges::sharp_edges;
 use crate::pipeline::sized::within::{Within, sampled_part};
 use crate::prepare::coarsen::in_spatial_order;
-use crate::spatial::bvh::Bvh;
-use crate::spatial::self_intersections::{faces_passing_through_others, self_intersections};
+use crate::spatial::self_intersections::self_intersections;
 use crate::surface::domain::Domain;
 use crate::surface::narrow_patches::LeftOut;
 use crate::surface::sizing::{adapted_sizes, sizes_between_curves, sizes_with_whole_rows};
@@ -96,10 +95,8 @@ impl SizedSurface {
             }
         }
         let topology = if within.is_some() { topology_of(&clean) } else { of_whole };
-        let suspects = (clean.triangles.len() < scale.wanted).then(|| passing_through_others(&clean));
-        let SampledDomain { mut domain, blunted, left_out, left_out_edges } =
+        let SampledDomain { domain, blunted, left_out, left_out_edges } =
             domain_at(clean, within.as_ref(), prepared, &scale, density, resizing);
-        suspects.into_iter().for_each(|sources| domain.suspect(sources));
         let sigma = scale.sigma();
         let smoothed_curves = 0;
         let mut surface = SizedSurface {
@@ -217,17 +214,6 @@ impl SizedSurface {
         let of_whole = self.within.as_ref().map(|within| self_intersections(&within.whole).len());
         of_whole.unwrap_or_else(|| self.domain.self_intersections().len())
     }
-}
-
-/// Returns, for each triangle of the mesh that `clean` came from, whether it passes through others. This is done before
-/// refinement for many vertices, which would give far more triangles to test.
-fn passing_through_others(clean: &OrientedManifold) -> Vec<bool> {
-    let twin = twins(&clean.triangles);
-    let faces = faces_passing_through_others(clean, |side| twin[side as usize], &Bvh::new(clean));
-    let source = |t: u32| clean.provenance().triangle(t) as usize;
-    let mut sources = vec![false; (0..clean.triangles.len() as u32).map(source).max().map_or(0, |last| last + 1)];
-    faces.into_iter().for_each(|t| sources[source(t)] = true);
-    sources
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! It is cut along its sharp edges, so that walks, normals and projections stay within a smooth patch.
 
 mod projection;
+mod self_intersections;
 
 use crate::geom::triangle::{barycentric, closest_point};
 use crate::mesh::cut::{Cut, OfSides, cut};
@@ -15,14 +16,13 @@ use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::groups::Groups;
-use crate::spatial::self_intersections::{Inherited, faces_passing_through_others};
+use crate::spatial::self_intersections::PassingFaces;
 use crate::surface::dihedral_angles::{folded_over, trusted_normal};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
 use crate::surface::spikes::spikes;
 use glam::DVec3;
-use std::sync::OnceLock;
 
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,10 +68,8 @@ pub struct Domain {
     in_contact: Vec<bool>,
     /// A side that leaves the end of each spike; empty before these were searched.
     spikes: Vec<u32>,
-    /// See [`Self::suspect`].
-    suspects: Option<Vec<bool>>,
-    self_intersections: OnceLock<Vec<u32>>,
-    inherited: OnceLock<Inherited>,
+    /// Triangles that pass through others.
+    passing: PassingFaces,
 }
 
 impl Domain {
@@ -118,7 +116,7 @@ impl Domain {
         let patch = components(mesh.positions.len(), &mesh.triangles);
         let count = patch.iter().max().map_or(0, |&last| last as usize + 1);
         let patches = Groups::new((&mesh, &bvh), count, |t| patch[mesh.origin(3 * t) as usize]);
-        let sizes = Vec::new();
+        let (sizes, passing) = (Vec::new(), PassingFaces::new(&mesh));
         Domain {
             mesh,
             twin,
@@ -135,9 +133,7 @@ impl Domain {
             bvh,
             in_contact: Vec::new(),
             spikes: Vec::new(),
-            suspects: None,
-            self_intersections: OnceLock::new(),
-            inherited: OnceLock::new(),
+            passing,
         }
     }
 
@@ -184,7 +180,7 @@ impl Domain {
 
     /// Smooths over the sharp edges on curves whose index `is_left_out`.
     pub fn without_curves(self, is_left_out: impl Fn(u32) -> bool) -> Domain {
-        let Domain { mut mesh, mut twin, original, provenance, interface, spacing, suspects, spikes, .. } = self;
+        let Domain { mut mesh, mut twin, original, provenance, interface, spacing, spikes, .. } = self;
         mesh.triangles.iter_mut().flatten().for_each(|v| *v = original[*v as usize]);
         // The first copy of a vertex keeps its index; further copies come after all others.
         let count = original.iter().zip(0..).take_while(|&(&v, i)| v == i).count();
@@ -198,7 +194,7 @@ impl Domain {
         let made = Domain::with_sharp(mesh, twin, &sharp, spacing, interface);
         let of_copy = |&v: &u32| self.sizes[v as usize];
         let sizes = if self.sizes.is_empty() { Vec::new() } else { made.original.iter().map(of_copy).collect() };
-        Domain { sizes, suspects, spikes, ..made }
+        Domain { sizes, spikes, ..made }
     }
 
     /// Returns the indices of the curves along sharp edges.
@@ -324,45 +320,6 @@ impl Domain {
         weights[side as usize % 3] = 1.0 - along;
         weights[next(side) as usize % 3] = along;
         self.sample(side / 3, weights)
-    }
-
-    /// Returns the triangles that pass through others, pair by pair or with an edge that lies in one, sorted. Searched only
-    /// once.
-    pub fn self_intersections(&self) -> &[u32] {
-        self.self_intersections.get_or_init(|| self.search_self_intersections())
-    }
-
-    /// Places of [`Self::self_intersections`]. Call it before parallel tasks do: the first caller waits for tasks of its
-    /// own, which may be queued behind others that wait for the result.
-    pub fn inherited(&self) -> &Inherited {
-        let corners = |&t: &u32| self.mesh.corners(t as usize);
-        self.inherited.get_or_init(|| Inherited::new(self.self_intersections().iter().map(corners)))
-    }
-
-    /// Sets which triangles of the source mesh have parts that may pass through others; without it, all may. Must be called
-    /// before self-intersections are searched.
-    pub fn suspect(&mut self, sources: Vec<bool>) {
-        self.suspects = Some(sources);
-    }
-
-    fn search_self_intersections(&self) -> Vec<u32> {
-        let across = |side: u32| match self.twin[side as usize] {
-            NONE => self.across.get(side),
-            twin => twin,
-        };
-        let Some(sources) = &self.suspects else {
-            return faces_passing_through_others(&self.mesh, across, &self.bvh);
-        };
-        let is_suspect = |&t: &u32| sources[self.source_triangle(t) as usize];
-        let suspects: Vec<u32> = (0..self.mesh.triangles.len() as u32).filter(is_suspect).collect();
-        let triangles = suspects.iter().map(|&t| self.mesh.triangles[t as usize]).collect();
-        let mesh = Mesh { positions: self.mesh.positions.clone(), triangles };
-        let among_suspects = |side: u32| match across(3 * suspects[side as usize / 3] + side % 3) {
-            NONE => NONE,
-            other => suspects.binary_search(&(other / 3)).map_or(NONE, |t| 3 * t as u32 + other % 3),
-        };
-        let faces = faces_passing_through_others(&mesh, among_suspects, &Bvh::new(&mesh));
-        faces.into_iter().map(|t| suspects[t as usize]).collect()
     }
 
     /// Returns the loops of the boundary and of sharp edges, each as its sides `3 t + k` with the surface on their left.
