@@ -273,10 +273,10 @@ fn slid(
         if !slide(&surface.domain, &mut manifold, &locked, surface.scale.spacing, monitor)? {
             break;
         }
-        let next = Finished::new(prepared, surface, manifold, finished.tessellated_patches, finished.run);
+        let next = finished.with(prepared, surface, manifold);
         let crossing = next.crossing_unlike(&finished);
         if next.score <= finished.score && crossing.is_empty() {
-            return Ok(Finished { is_mended: finished.is_mended, ..next });
+            return Ok(next);
         }
         let corners = crossing.into_iter().flat_map(|t| next.manifold.connectivity.triangle(3 * t));
         corners.for_each(|v| locked.insert(v));

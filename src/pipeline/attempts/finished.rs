@@ -81,6 +81,17 @@ impl Finished {
         }
     }
 
+    /// The same result with other vertices and edges.
+    pub(in crate::pipeline) fn with(
+        &self,
+        prepared: &PreparedInput,
+        surface: &SizedSurface,
+        manifold: Manifold,
+    ) -> Finished {
+        let next = Finished::new(prepared, surface, manifold, self.tessellated_patches, self.run);
+        Finished { is_mended: self.is_mended, ..next }
+    }
+
     /// Number of triangles that were kept from the input; they come first.
     pub(in crate::pipeline) fn kept_triangles(&self) -> u32 {
         (self.mesh.triangles.len() - self.of_part.triangles.len()) as u32

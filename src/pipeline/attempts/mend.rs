@@ -144,8 +144,7 @@ fn with_other_edges(
         return Ok(None);
     }
     balance_count(domain, &mut manifold, wanted, scale.spacing, monitor)?;
-    let next = Finished::new(prepared, surface, manifold, result.tessellated_patches, result.run);
-    Ok(Some(Finished { is_mended: true, ..next }))
+    Ok(Some(Finished { is_mended: true, ..result.with(prepared, surface, manifold) }))
 }
 
 /// Factors that did not help at a place, which is identified by its faulty triangles.
@@ -203,8 +202,7 @@ fn resized(
     }
     surface.resize_at(&corners(&changed), factor);
     balance_count(&surface.domain, &mut manifold, wanted, surface.scale.spacing, monitor)?;
-    let next = Finished::new(prepared, surface, manifold, best.tessellated_patches, best.run);
-    Ok(Some(Finished { is_mended: true, ..next }))
+    Ok(Some(Finished { is_mended: true, ..best.with(prepared, surface, manifold) }))
 }
 
 /// Gives `place` edges of the current target lengths, on the surface.
@@ -223,13 +221,17 @@ fn changed(
     Ok(changed)
 }
 
-/// Returns whether `changed` has fewer faults among `faces` than `place`: self-intersections that the surface does not have,
-/// slivers and bridges; then all self-intersections.
+/// Returns whether `changed` has fewer faults among `faces` than `place`, by its score, then by all self-intersections.
 fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neighborhood, faces: &Faces) -> bool {
     let SizedSurface { domain, scale, .. } = surface;
     let count = |(crossing, place): (Vec<[DVec3; 3]>, &Neighborhood)| {
-        let new = crossing.iter().filter(|&&corners| !domain.intersects_itself_near(corners)).count();
-        (new + slivers(&place.mesh).len() + bridges(domain, &place.mesh, scale.spacing).len(), crossing.len())
+        let score = Score {
+            self_intersections: crossing.iter().filter(|&&corners| !domain.intersects_itself_near(corners)).count(),
+            slivers: slivers(&place.mesh).len(),
+            bridges: bridges(domain, &place.mesh, scale.spacing).len(),
+            ..Score::SOUND
+        };
+        (score, crossing.len())
     };
     let [before, after] = changed.self_intersections(faces);
     count((after, changed)) < count((before, place))
