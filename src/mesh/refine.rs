@@ -7,6 +7,7 @@
 
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::sides::lower_first;
+use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
 /// Halves the edges longer than `longest` until none are left, or until the mesh has `most` triangles.
@@ -65,34 +66,30 @@ fn split_where(mesh: &mut OrientedManifold, place: impl Fn(u32, u32, f64) -> Opt
                 })
             })
         });
-        split(mesh, t, on_sides);
+        if on_sides != [None; 3] {
+            let parts = parts(mesh.triangles[t], on_sides, &mesh.positions);
+            mesh.split_triangle(t, &parts);
+        }
     }
     ends
 }
 
-/// Splits triangle `t` at vertices on its sides.
-fn split(mesh: &mut OrientedManifold, t: usize, on_sides: [Option<u32>; 3]) {
-    let corners = mesh.triangles[t];
-    let at = |k: usize| corners[k % 3];
-    let length = |v: u32, w: u32| mesh.positions[v as usize].distance_squared(mesh.positions[w as usize]);
-    match on_sides {
-        [None, None, None] => {}
-        [Some(p), Some(q), Some(r)] => {
-            mesh.split_triangle(t, &[[p, q, r], [at(0), p, r], [p, at(1), q], [r, q, at(2)]]);
-        }
-        _ => {
-            // Rotate the corners so that side 0 is split and, if two sides are, side 1 is the other one.
-            let k = (0..3).find(|&k| on_sides[k].is_some() && on_sides[(k + 2) % 3].is_none()).unwrap_or(0);
-            let (a, b, c) = (at(k), at(k + 1), at(k + 2));
-            match (on_sides[k], on_sides[(k + 1) % 3]) {
-                (Some(p), Some(q)) if length(p, c) <= length(a, q) => {
-                    mesh.split_triangle(t, &[[p, b, q], [p, q, c], [p, c, a]]);
-                }
-                (Some(p), Some(q)) => mesh.split_triangle(t, &[[p, b, q], [a, p, q], [a, q, c]]),
-                (Some(p), None) => mesh.split_triangle(t, &[[p, b, c], [a, p, c]]),
-                (None, _) => {}
-            }
-        }
+/// Returns the parts of a triangle that is split at vertices on its sides: `on_sides[k]` is on the side from corner `k` to the
+/// next one. If two of the sides are split, the shorter diagonal of the quadrilateral is chosen.
+pub fn parts(corners: [u32; 3], on_sides: [Option<u32>; 3], positions: &[DVec3]) -> Vec<[u32; 3]> {
+    if let [Some(p), Some(q), Some(r)] = on_sides {
+        let [a, b, c] = corners;
+        return vec![[p, q, r], [a, p, r], [p, b, q], [r, q, c]];
+    }
+    // Side 0 is split and, if two sides are, side 1 is the other one.
+    let k = (0..3).find(|&k| on_sides[k].is_some() && on_sides[(k + 2) % 3].is_none()).unwrap_or(0);
+    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+    let length = |v: u32, w: u32| positions[v as usize].distance_squared(positions[w as usize]);
+    match (on_sides[k], on_sides[(k + 1) % 3]) {
+        (Some(p), Some(q)) if length(p, c) <= length(a, q) => vec![[p, b, q], [p, q, c], [p, c, a]],
+        (Some(p), Some(q)) => vec![[p, b, q], [a, p, q], [a, q, c]],
+        (Some(p), None) => vec![[p, b, c], [a, p, c]],
+        (None, _) => vec![corners],
     }
 }
 
@@ -101,7 +98,7 @@ mod tests {
     use super::*;
     use crate::mesh::topology::topology;
     use crate::mesh::triangle_mesh::Mesh;
-    use glam::{DVec3, dvec3};
+    use glam::dvec3;
 
     #[test]
     fn a_long_thin_prism_keeps_area_and_topology_and_knows_where_it_came_from() {
@@ -134,5 +131,28 @@ mod tests {
         let before = mesh.clone();
         refine(&mut mesh, 1.5, usize::MAX);
         assert_eq!(mesh, before);
+    }
+
+    #[test]
+    fn a_triangle_is_split_at_the_points_on_its_sides() {
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X / 2.0, DVec3::new(0.5, 0.5, 0.0), DVec3::Y / 4.0];
+        let area = |&[a, b, c]: &[u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|v| positions[v as usize]);
+            0.5 * (b - a).cross(c - a).z
+        };
+        for (at, count) in [
+            ([None, None, None], 1),
+            ([Some(3), None, None], 2),
+            ([None, Some(4), None], 2),
+            ([Some(3), Some(4), None], 3),
+            ([Some(3), None, Some(5)], 3),
+            ([None, Some(4), Some(5)], 3),
+            ([Some(3), Some(4), Some(5)], 4),
+        ] {
+            let found = parts([0, 1, 2], at, &positions);
+            assert_eq!(found.len(), count);
+            assert!(found.iter().map(area).all(|area| area > 0.0), "{found:?}");
+            assert!((found.iter().map(area).sum::<f64>() - 0.5).abs() < 1e-12, "{found:?}");
+        }
     }
 }

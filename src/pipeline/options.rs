@@ -163,7 +163,7 @@ impl Options {
 
 impl Options {
     /// Support radius of the implicit surface onto which vertices are moved, if any.
-    pub(super) fn smoothing(&self) -> Option<f64> {
+    pub(crate) fn smoothing(&self) -> Option<f64> {
         smoothing(self.smooth)
     }
 

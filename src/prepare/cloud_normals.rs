@@ -18,7 +18,6 @@ use crate::geom::eigen::{eigen, scatter};
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::NeighborGraph;
 use glam::DVec3;
-use std::borrow::Cow;
 
 /// Number of neighbours that stabilise a fit where there is noise, or where points are few.
 pub const MANY_NEIGHBORS: usize = 16;
@@ -28,7 +27,7 @@ pub const MANY_NEIGHBORS: usize = 16;
 const LINE: f64 = 0.3;
 
 /// Maximum factor by which the number of neighbours grows before a line is accepted as one.
-pub const MOST_ON_LINE: usize = 8;
+const MOST_ON_LINE: usize = 8;
 
 /// The neighbours of each point that determine its normal.
 pub enum Neighborhood<'a> {
@@ -47,38 +46,41 @@ impl Neighborhood<'_> {
                 parallel::map(all, |p| fit(p, &graph.of(p)[..count.min(graph.degree())]))
             }
             Neighborhood::Within(near, radius) => {
-                parallel::map(all, |p| fit(p, &others(near.within(points[p as usize], radius), p)))
+                parallel::map(all, |p| fit(p, &others(&near.within(points[p as usize], radius), p)))
             }
         }
     }
 }
 
-/// Returns the `nearest` neighbours of point `p`, or as many more as it takes for them not to lie on a line, through which
-/// there are many planes. The points of a scanner's rows, and the vertices of many meshes, are closer to each other in one
-/// direction than in the other.
-fn off_line<'a>(points: &[DVec3], near: &Neighbors, p: u32, nearest: &'a [u32]) -> Cow<'a, [u32]> {
-    let mut taken = Cow::Borrowed(nearest);
-    let mut found = Vec::new();
-    let most = (MOST_ON_LINE * nearest.len()).min(points.len().saturating_sub(1));
-    while is_line(points, p, &taken) && taken.len() < most {
-        near.collect_nearest(points[p as usize], (2 * taken.len()).min(most) + 1, &mut found);
-        taken = Cow::Owned(others(std::mem::take(&mut found), p));
+/// Returns the unoriented unit normal of the plane that fits point `p` and its `nearest` neighbours. If these are on a line,
+/// through which there are many planes, as many more are taken as it takes, by a function that collects so many of the points
+/// nearest to `p`, itself included. The points of a scanner's rows, and the vertices of many meshes, are closer to each other
+/// in one direction than in the other.
+pub fn plane_normal(
+    points: &[DVec3],
+    p: u32,
+    nearest: &[u32],
+    collect_nearest: impl Fn(usize, &mut Vec<Neighbor>),
+) -> DVec3 {
+    let (mut normal, mut is_line) = fitted_plane(points, p, nearest);
+    let (mut count, mut found) = (nearest.len(), Vec::new());
+    let most = MOST_ON_LINE * nearest.len();
+    while is_line && count < most {
+        count *= 2;
+        collect_nearest(count + 1, &mut found);
+        (normal, is_line) = fitted_plane(points, p, &others(&found, p));
     }
-    taken
+    normal
 }
 
-fn others(found: Vec<Neighbor>, p: u32) -> Vec<u32> {
-    found.into_iter().map(|n| n.point).filter(|&n| n != p).collect()
+fn others(found: &[Neighbor], p: u32) -> Vec<u32> {
+    found.iter().map(|n| n.point).filter(|&n| n != p).collect()
 }
 
 /// Returns the unoriented unit normal of the plane that fits a point and its neighbours, and whether these are on a line.
-pub fn plane_normal(points: &[DVec3], p: u32, neighbors: &[u32]) -> (DVec3, bool) {
+fn fitted_plane(points: &[DVec3], p: u32, neighbors: &[u32]) -> (DVec3, bool) {
     let ([_, across, along], [normal, ..]) = spread(points, p, neighbors);
     (normal, across <= math::square(LINE) * along)
-}
-
-fn is_line(points: &[DVec3], p: u32, neighbors: &[u32]) -> bool {
-    plane_normal(points, p, neighbors).1
 }
 
 /// Returns the principal values and directions of a point and its neighbours.
@@ -91,7 +93,9 @@ pub(super) fn spread(points: &[DVec3], p: u32, neighbors: &[u32]) -> ([f64; 3], 
 /// Returns unoriented unit normals of planes through each point's neighbours; where these are on a line, through more of
 /// them, which `near` finds.
 pub fn plane_normals(points: &[DVec3], near: &Neighbors, neighborhood: &Neighborhood) -> Vec<DVec3> {
-    neighborhood.map(points, |p, neighbors| spread(points, p, &off_line(points, near, p, neighbors)).1[0])
+    neighborhood.map(points, |p, neighbors| {
+        plane_normal(points, p, neighbors, |count, found| near.collect_nearest(points[p as usize], count, found))
+    })
 }
 
 /// Returns unit normals of spheres fitted to the neighbours and their normals, with the orientation of `normals`.

@@ -10,8 +10,8 @@ use crate::io::opened::Opened;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
-    INTERPOLATING_SUPPORT, NormalNeighborhood, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions,
-    count_in_tile, has_sharp_edges, survey, volume,
+    NormalNeighborhood, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile,
+    has_sharp_edges, survey, volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
 use crate::prepare::thin::{Thinned, Wanted};
@@ -81,7 +81,7 @@ pub fn make_plan(
         cell: ROOM * sigma * RADIUS / 2.0,
         seed: *seed,
         sweeps: (!scan_only).then_some(*sweeps),
-        support: cloud.smooth.filter(|&support| support != 0.0).unwrap_or(INTERPOLATING_SUPPORT),
+        smooth: cloud.smoothing(),
         is_sided,
         is_sharp: options.sharp_edges && has_sharp_edges(&outline, &OfTile(monitor))?,
     };
@@ -263,7 +263,7 @@ fn look_for_noise(plan: &mut Plan, folder: &TileFolder, blocks: BlockBox, monito
         Flatness::At(_) => plan.is_thick = true,
         Flatness::Never => return Err(volume(plan.points).in_file(&plan.input)),
     }
-    plan.sampling.support = SMOOTHING_SUPPORT;
+    plan.sampling.smooth = Some(SMOOTHING_SUPPORT);
     Ok(())
 }
 

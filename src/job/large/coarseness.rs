@@ -35,7 +35,7 @@ pub fn refuse_coarser(options: &Options) -> Result<()> {
     let setting = match (&options.part, &options.grading) {
         _ if options.max_error.is_some() => Setting::MaxError,
         // The reach of smoothing depends on the spacing of the input's vertices.
-        _ if options.smooth.is_some_and(|support| support > 0.0) => Setting::Smoothing,
+        _ if options.smoothing().is_some() => Setting::Smoothing,
         (Some(part), _) => part.setting(),
         (None, Grading::Field(Values::Given(_))) => Setting::Field,
         _ if spacing_on(1.0, options.density).is_none() => Setting::Field,

@@ -13,7 +13,7 @@ use crate::geom::eigen::{eigen, scatter};
 use crate::mesh::points::Points;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::options::{
-    CloudOptions, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT, smoothing,
+    CloudOptions, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT,
 };
 use crate::pipeline::cloud::summary::CloudSummary;
 use crate::prepare::clean::{merged, wanted_by_others};
@@ -145,7 +145,7 @@ pub(in crate::pipeline) fn prepared(
     let spacing = mean(&graph.spacings(points.positions()));
     let flatness = flatness(points.positions(), &near);
     summary.noisy = matches!(flatness, Flatness::NotQuite | Flatness::At(_));
-    let mut smooth = smoothing(options.smooth);
+    let mut smooth = options.smoothing();
     match flatness {
         Flatness::Never => return Err(volume(points.positions().len())),
         Flatness::NotQuite if options.smooth.is_none() => {

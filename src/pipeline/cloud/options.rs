@@ -60,6 +60,11 @@ impl CloudOptions {
         }
     }
 
+    /// Returns the support radius of smoothing, in spacings of the points, if the options ask for any.
+    pub fn smoothing(&self) -> Option<f64> {
+        smoothing(self.smooth)
+    }
+
     /// Returns the same options for points whose coordinates were divided by `size`.
     pub(in crate::pipeline) fn within_unit(&self, size: f64) -> CloudOptions {
         let neighborhood = self.neighborhood.map(|neighborhood| match neighborhood {
@@ -83,7 +88,7 @@ pub(in crate::pipeline) fn check_smooth(support: Option<f64>) -> Result<()> {
     smoothing(support).filter(|r| !(1.5..=20.0).contains(r)).map_or(Ok(()), refuse)
 }
 
-/// Returns the support radius if anything is smoothed; zero means no smoothing.
+/// Returns the support radius of smoothing, if anything is smoothed: zero means no smoothing.
 pub(in crate::pipeline) fn smoothing(support: Option<f64>) -> Option<f64> {
     support.filter(|&support| support != 0.0)
 }

@@ -15,9 +15,6 @@ use rustc_hash::FxHashMap;
 /// Maximum distance that a vertex moves onto a sharp edge, in spacings.
 const NEAR: f64 = 0.6;
 
-/// Curve of a vertex that is at a corner.
-const AT_CORNER: u32 = NONE - 1;
-
 /// Vertices on the sharp edges of a domain.
 pub(super) struct Conformed {
     pub samples: Vec<Sample>,
@@ -25,8 +22,8 @@ pub(super) struct Conformed {
     pub edges: Vec<([u32; 2], OnCurve)>,
     /// Vertices on sharp edges that have to stay.
     pub corners: Vec<u32>,
-    /// For each vertex, whether it moved onto a sharp edge.
-    pub has_moved: Vec<bool>,
+    /// For each vertex, the sharp edge that it moved onto.
+    pub moved_onto: Vec<OnCurve>,
 }
 
 impl Conformed {
@@ -39,19 +36,26 @@ impl Conformed {
         stay: impl Fn(u32) -> bool,
         spacing: f64,
     ) -> Conformed {
-        let has_moved = vec![false; samples.len()];
-        let mut conformed = Conformed { samples, edges: Vec::new(), corners: Vec::new(), has_moved };
+        let moved_onto = vec![OnCurve::No; samples.len()];
+        let mut conformed = Conformed { samples, edges: Vec::new(), corners: Vec::new(), moved_onto };
         if domain.is_sharp() {
-            let mut curve = vec![NONE; conformed.samples.len()];
-            conformed.move_to_corners(domain, &mut curve, &stay, NEAR * spacing);
-            conformed.move_ends(domain, triangles, &mut curve, &stay, NEAR * spacing);
-            conformed.find_edges(domain, triangles, &curve);
+            conformed.move_to_corners(domain, &stay, NEAR * spacing);
+            conformed.move_ends(domain, triangles, &stay, NEAR * spacing);
+            conformed.find_edges(domain, triangles);
         }
         conformed
     }
 
-    /// Moves the nearest vertex to each corner of the sharp edges. `curve` gets the curve of each vertex.
-    fn move_to_corners(&mut self, domain: &Domain, curve: &mut [u32], stay: impl Fn(u32) -> bool, near: f64) {
+    fn has_moved(&self, v: u32) -> bool {
+        self.moved_onto[v as usize] != OnCurve::No
+    }
+
+    fn move_onto(&mut self, v: u32, curve: OnCurve, sample: Sample) {
+        (self.samples[v as usize], self.moved_onto[v as usize]) = (sample, curve);
+    }
+
+    /// Moves the nearest vertex to each corner of the sharp edges.
+    fn move_to_corners(&mut self, domain: &Domain, stay: impl Fn(u32) -> bool, near: f64) {
         let positions: Vec<DVec3> = self.samples.iter().map(|sample| sample.position).collect();
         let tree = Neighbors::new(&positions);
         let mut found = Vec::new();
@@ -63,23 +67,14 @@ impl Conformed {
             let corner = domain.sample_on_side(side, 0.0);
             tree.collect_nearest_within(corner.position, 1, near, &mut found);
             // Each side that leaves the corner finds the same vertex.
-            if let Some(v) = found.first().map(|n| n.point as usize).filter(|&v| !self.has_moved[v] && !stay(v as u32))
-            {
-                self.samples[v] = Sample { normal: DVec3::ZERO, ..corner };
-                (curve[v], self.has_moved[v]) = (AT_CORNER, true);
+            if let Some(v) = found.first().map(|n| n.point).filter(|&v| !self.has_moved(v) && !stay(v)) {
+                self.move_onto(v, OnCurve::Corner, Sample { normal: DVec3::ZERO, ..corner });
             }
         }
     }
 
     /// Moves an end of each edge that crosses a sharp edge.
-    fn move_ends(
-        &mut self,
-        domain: &Domain,
-        triangles: &[[u32; 3]],
-        curve: &mut [u32],
-        stay: impl Fn(u32) -> bool,
-        near: f64,
-    ) {
+    fn move_ends(&mut self, domain: &Domain, triangles: &[[u32; 3]], stay: impl Fn(u32) -> bool, near: f64) {
         let patch: Vec<u32> = self.samples.iter().map(|sample| domain.patch_of(sample.triangle)).collect();
         let mut crossed: Vec<[u32; 2]> = triangles
             .iter()
@@ -90,15 +85,15 @@ impl Conformed {
         crossed.sort_unstable();
         crossed.dedup();
         // Where each end would go, and how far that is.
-        let mut place: FxHashMap<u32, (u32, Sample, f64)> = FxHashMap::default();
+        let mut place: FxHashMap<u32, (OnCurve, Sample, f64)> = FxHashMap::default();
         for &v in crossed.as_flattened() {
             let p = self.samples[v as usize].position;
             place.entry(v).or_insert_with(|| match domain.nearest_sharp_curve(p) {
                 Some(curve) if !stay(v) => {
                     let on_curve = domain.project_on_curve(p, curve);
-                    (curve, on_curve, on_curve.position.distance(p))
+                    (OnCurve::Curve(curve), on_curve, on_curve.position.distance(p))
                 }
-                _ => (NONE, self.samples[v as usize], f64::INFINITY),
+                _ => (OnCurve::No, self.samples[v as usize], f64::INFINITY),
             });
         }
         let distance = |v: u32| place[&v].2;
@@ -107,17 +102,17 @@ impl Conformed {
         crossed.sort_by(|&e, &f| distance(nearer(e)).total_cmp(&distance(nearer(f))));
         for ends in crossed {
             let v = nearer(ends);
-            if ends.iter().all(|&v| !self.has_moved[v as usize]) && distance(v) <= near {
-                let (to, sample, _) = place[&v];
-                (self.samples[v as usize], curve[v as usize], self.has_moved[v as usize]) = (sample, to, true);
+            if ends.iter().all(|&v| !self.has_moved(v)) && distance(v) <= near {
+                let (curve, sample, _) = place[&v];
+                self.move_onto(v, curve, sample);
             }
         }
     }
 
     /// Finds the edges that run along sharp edges, and the vertices through which other than two of one curve run.
-    fn find_edges(&mut self, domain: &Domain, triangles: &[[u32; 3]], curve: &[u32]) {
+    fn find_edges(&mut self, domain: &Domain, triangles: &[[u32; 3]]) {
         let patch = |corners: [u32; 3]| {
-            let own = corners.into_iter().find(|&v| curve[v as usize] == NONE);
+            let own = corners.into_iter().find(|&v| !self.has_moved(v));
             let middle = || corners.map(|v| self.samples[v as usize].position).iter().sum::<DVec3>() / 3.0;
             domain.patch_of(
                 own.map_or_else(|| domain.project_anywhere(middle()).triangle, |v| self.samples[v as usize].triangle),
@@ -126,21 +121,23 @@ impl Conformed {
         let mut sides: Vec<([u32; 2], u32)> = Vec::new();
         for &corners in triangles {
             let [a, b, c] = corners;
-            let on_curves =
-                [[a, b], [b, c], [c, a]].into_iter().filter(|e| e.iter().all(|&v| curve[v as usize] != NONE));
+            let on_curves = [[a, b], [b, c], [c, a]].into_iter().filter(|e| e.iter().all(|&v| self.has_moved(v)));
             sides.extend(on_curves.map(|ends| (lower_first(ends), patch(corners))));
         }
         sides.sort_unstable();
-        let mut of_vertex: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+        let mut of_vertex: FxHashMap<u32, Vec<OnCurve>> = FxHashMap::default();
         for pair in sides.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
             let ends = pair[0].0;
-            let own = ends.into_iter().map(|v| curve[v as usize]).find(|&own| own != AT_CORNER);
+            let own = ends.into_iter().map(|v| self.moved_onto[v as usize]).find(|&own| own != OnCurve::Corner);
             let middle = || 0.5 * ends.iter().map(|&v| self.samples[v as usize].position).sum::<DVec3>();
-            let Some(own) = own.or_else(|| domain.nearest_sharp_curve(middle())) else { continue };
-            self.edges.push((ends, OnCurve::Curve(own)));
+            let Some(own) = own.or_else(|| domain.nearest_sharp_curve(middle()).map(OnCurve::Curve)) else { continue };
+            self.edges.push((ends, own));
             ends.iter().for_each(|&v| of_vertex.entry(v).or_default().push(own));
         }
-        let goes_on = |v: u32| of_vertex[&v].len() == 2 && of_vertex[&v].iter().all(|&own| own == curve[v as usize]);
+        let goes_on = |v: u32| {
+            let own = self.moved_onto[v as usize];
+            of_vertex[&v].len() == 2 && of_vertex[&v].iter().all(|&curve| curve == own)
+        };
         self.corners = of_vertex.keys().copied().filter(|&v| !goes_on(v)).collect();
         self.corners.sort_unstable();
     }
@@ -161,8 +158,9 @@ mod tests {
         let part = sheet(10, ridge);
         let on_surface = || part.positions.iter().map(|&p| domain.project_anywhere(p)).collect::<Vec<_>>();
         let stays = |v: u32| part.positions[v as usize].y == 0.0;
-        let Conformed { samples, edges, has_moved, .. } =
+        let Conformed { samples, edges, moved_onto, .. } =
             Conformed::new(&domain, on_surface(), &part.triangles, stays, 0.1);
+        let has_moved: Vec<bool> = moved_onto.into_iter().map(|curve| curve != OnCurve::No).collect();
         let moved: Vec<usize> = (0..samples.len()).filter(|&v| has_moved[v]).collect();
         assert!(moved.iter().all(|&v| (samples[v].position.x - 0.52).abs() < 1e-9 && part.positions[v].y > 0.0));
         // One row of vertices, but for the one that stays.

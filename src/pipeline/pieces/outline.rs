@@ -75,7 +75,7 @@ pub fn survey(
 /// [`Error::Cancelled`](crate::base::error::Error::Cancelled) if the monitor asks for it.
 pub fn has_sharp_edges(outline: &Points, monitor: &dyn Monitor) -> Result<bool> {
     match mesh_of_points(outline, &CloudOptions::default(), monitor) {
-        Ok(mut through) => Ok(through.sharpen(Features::Automatic, Density::Auto) != Features::Automatic),
+        Ok(through) => Ok(through.cut_edges(&Features::Automatic, Density::Auto).is_some()),
         Err(Error::Mesh { .. }) => Ok(false),
         Err(error) => Err(error),
     }

@@ -25,20 +25,18 @@ use crate::optimize::self_intersections::resolve_self_intersections;
 use crate::optimize::untangle::{Aim, untangle};
 use crate::pipeline::attempts::mend::MODEST;
 use crate::pipeline::attempts::optimization::optimize_ordered;
-use crate::pipeline::cloud::options::INTERPOLATING_SUPPORT;
-use crate::pipeline::cloud::sharp::sharp_edges;
+use crate::pipeline::cloud::sharp::cut_edges;
 use crate::pipeline::pieces::conform::Conformed;
 use crate::pipeline::pieces::outline::Outline;
-use crate::pipeline::pieces::tile::{Part, TileOptions, TilePoint};
+use crate::pipeline::pieces::tile::{LocalCloud, TileOptions, TilePoint};
 use crate::pipeline::scale::Scale;
 use crate::prepare::repair::repair;
-use crate::prepare::sharpen::{Sharpened, sharpened};
+use crate::prepare::sharpen::Sharpened;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::kdtree::Neighbors;
 use crate::spatial::knn_graph::{DEGREE, NeighborGraph};
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::features::{BETWEEN_PLANES, Features};
-use crate::surface::implicit::Rimls;
 use crate::triangulate::points::triangulate_part;
 use crate::triangulate::surroundings::Surroundings;
 use glam::DVec3;
@@ -132,27 +130,21 @@ fn surface_of(
     outline: &Outline,
     monitor: &dyn Monitor,
 ) -> Result<(OrientedManifold, Features)> {
-    let Part { samples, spacings, near, .. } = Part::new(points, options, outline);
-    let positions: Vec<DVec3> = samples.iter().map(|s| s.position).collect();
-    let normals: Vec<DVec3> = samples.iter().map(|s| s.normal).collect();
-    // The nodes lie on this surface. Without noise it hardly differs from the points, but the absence of noise is not
-    // certain.
-    let is_smoothed = !options.is_sharp || options.support != INTERPOLATING_SUPPORT;
-    let (positions, normals) = if is_smoothed {
-        Rimls::new(&positions, &normals, &near, &spacings, options.support).smoothed()
-    } else {
-        // Smoothing would round the edges off over a few points.
-        (positions, normals)
-    };
+    let cloud = LocalCloud::new(points, options, outline);
+    // The nodes lie on the implicit surface, and so do smoothed points. Where there are sharp edges, smoothing would round
+    // them off over a few points, so these stay unless they are noisy.
+    let is_smoothed = !options.is_sharp || options.smooth.is_some();
+    let smoothed = is_smoothed.then(|| cloud.surface().smoothed());
+    let (positions, normals) = smoothed.unwrap_or((cloud.positions, cloud.normals));
     let triangles = triangles_between(&positions, &normals, monitor)?;
     let mut mesh = Mesh { positions, triangles };
     mesh.drop_unused();
     let (surface, _) = repair(&mesh);
     let spacing = Scale::spacing_of_sigma(options.sigma);
-    let wanted = options.is_sharp.then(|| sharp_edges(&surface, BETWEEN_PLANES, spacing)).flatten();
-    let Some(Sharpened { mesh, edges, .. }) = wanted.and_then(|wanted| sharpened(&surface, &wanted)) else {
-        return Ok((surface, Features::Smooth));
-    };
+    // Whether there are sharp edges has been decided for the whole cloud.
+    let cut = if options.is_sharp { cut_edges(&surface, BETWEEN_PLANES, spacing) } else { None };
+    let Some(cut) = cut else { return Ok((surface, Features::Smooth)) };
+    let Sharpened { mesh, edges, .. } = cut.restored();
     Ok((repair(&mesh).0, Features::Edges(edges)))
 }
 
@@ -203,16 +195,14 @@ impl Rim {
         let mut samples: Vec<Sample> = facing.map(|(&p, normal)| domain.project_facing(p, normal)).collect();
         let on_rim = self.edges.as_flattened();
         on_rim.iter().for_each(|&v| samples[v as usize].position = part.positions[v as usize]);
-        let is_on_rim = VertexSet::from(
-            (0..samples.len() as u32).map(|v| self.vertex_at(part.positions[v as usize]).is_some()).collect::<Vec<_>>(),
-        );
-        let Conformed { samples, edges: sharp, corners, has_moved } =
-            Conformed::new(domain, samples, &part.triangles, |v| is_on_rim.contains(v), spacing);
+        let is_on_rim = |v: u32| self.vertex_at(part.positions[v as usize]).is_some();
+        let Conformed { samples, edges: sharp, corners, moved_onto } =
+            Conformed::new(domain, samples, &part.triangles, is_on_rim, spacing);
         let mut mesh = Manifold::new(samples, &part.triangles);
         mesh.mark_curves(&sharp, corners);
         let edges: Vec<_> = self.edges.iter().map(|&ends| (ends, OnCurve::Interface)).collect();
         mesh.mark_curves(&edges, on_rim.iter().copied());
-        (mesh, has_moved)
+        (mesh, moved_onto.into_iter().map(|curve| curve != OnCurve::No).collect())
     }
 
     /// Splits edges between rim vertices that the part did not have: the mesh beyond the rim may also have them.

@@ -4,11 +4,10 @@ use crate::base::parallel;
 use crate::mesh::topology::NONE;
 use crate::pipeline::pieces::base_mesh::Node;
 use crate::pipeline::pieces::outline::Outline;
-use crate::pipeline::pieces::tile::{Part, TileOptions, TilePoint};
+use crate::pipeline::pieces::tile::{LocalCloud, TileOptions, TilePoint};
 use crate::pipeline::scale::Scale;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::surface::domain::Sample;
-use crate::surface::implicit::Rimls;
 use glam::DVec3;
 
 /// Maximum distance of the surface from a node, in spacings of the target mesh.
@@ -38,12 +37,10 @@ pub fn place_nodes(
     outline: &Outline,
 ) -> Vec<TilePoint> {
     let spacing = Scale::spacing_of_sigma(options.sigma);
-    let part = Part::new(points, options, outline);
-    let positions: Vec<DVec3> = part.samples.iter().map(|s| s.position).collect();
-    let normals: Vec<DVec3> = part.samples.iter().map(|s| s.normal).collect();
-    let surface = Rimls::new(&positions, &normals, &part.near, &part.spacings, options.support);
+    let cloud = LocalCloud::new(points, options, outline);
+    let surface = cloud.surface();
     let place = |found: &mut Vec<Neighbor>, node: &Node| {
-        let near = tangent_to(&part, node, FAR * spacing, found)?;
+        let near = tangent_to(&cloud, node, FAR * spacing, found)?;
         surface.sample(near).filter(|sample| sample.normal.dot(node.normal) > FACING)
     };
     let placed: Vec<Option<Sample>> = parallel::map_with(nodes, Vec::new, place);
@@ -86,13 +83,13 @@ impl Crowd {
 
 /// Returns where the tangent planes of nearby points with similar normals take a node, if there are such points within
 /// `far`.
-fn tangent_to(part: &Part, node: &Node, far: f64, found: &mut Vec<Neighbor>) -> Option<DVec3> {
+fn tangent_to(cloud: &LocalCloud, node: &Node, far: f64, found: &mut Vec<Neighbor>) -> Option<DVec3> {
     let mut position = node.position;
     for _ in 0..ROUNDS {
-        part.near.collect_nearest_within(position, ASKED, far, found);
-        let mut points = found.iter().map(|n| &part.samples[n.point as usize]);
-        let nearest = points.find(|point| point.normal.dot(node.normal) > FACING)?;
-        position -= nearest.normal * nearest.normal.dot(position - nearest.position);
+        cloud.near.collect_nearest_within(position, ASKED, far, found);
+        let mut points = found.iter().map(|n| (cloud.positions[n.point as usize], cloud.normals[n.point as usize]));
+        let (nearest, normal) = points.find(|(_, normal)| normal.dot(node.normal) > FACING)?;
+        position -= normal * normal.dot(position - nearest);
     }
     Some(position)
 }
@@ -117,7 +114,7 @@ mod tests {
             cell: 2.0 * sigma,
             seed: 0,
             sweeps: None,
-            support: 2.3,
+            smooth: None,
             is_sided: true,
             is_sharp: false,
         };

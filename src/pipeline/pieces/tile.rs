@@ -12,10 +12,10 @@ use crate::base::error::Result;
 use crate::base::monitor::Monitor;
 use crate::base::parallel;
 use crate::base::rng::Address;
-use crate::pipeline::cloud::options::FEW_NEIGHBORS;
+use crate::pipeline::cloud::options::{FEW_NEIGHBORS, INTERPOLATING_SUPPORT};
 use crate::pipeline::pieces::outline::Outline;
 use crate::pipeline::sample::task::ASCENT_OF_SCAN;
-use crate::prepare::cloud_normals::{MOST_ON_LINE, plane_normal};
+use crate::prepare::cloud_normals::plane_normal;
 use crate::spatial::kdtree::{Neighbor, Neighbors};
 use crate::spatial::knn_graph::{DEGREE, spacing_of};
 use crate::spectral::ascent::AscentParameters;
@@ -52,8 +52,8 @@ pub struct TileOptions {
     pub seed: u64,
     /// Sweeps of gradient ascent; `None` if samples are points of the cloud, as the scan leaves them.
     pub sweeps: Option<usize>,
-    /// Support radius of points on the surface, in their spacings.
-    pub support: f64,
+    /// Support radius of smoothing, in spacings of the points; `None` if nothing is smoothed.
+    pub smooth: Option<f64>,
     /// Whether given normals are on a common side.
     pub is_sided: bool,
     /// Whether the surface has sharp edges.
@@ -75,6 +75,11 @@ impl TileOptions {
     /// Width of a block, in the units of the cloud.
     pub fn block(&self) -> f64 {
         self.cell * f64::from(BLOCK)
+    }
+
+    /// Support radius of points on the surface, in their spacings.
+    fn support(&self) -> f64 {
+        self.smooth.unwrap_or(INTERPOLATING_SUPPORT)
     }
 
     /// Number of blocks around a tile whose samples influence its own while they move.
@@ -104,21 +109,19 @@ pub fn sample_tile(
     outline: &Outline,
     monitor: &dyn Monitor,
 ) -> Result<Vec<TilePoint>> {
-    let part = Part::new(points, options, outline);
+    let cloud = LocalCloud::new(points, options, outline);
     let scanned = tile.grown(options.ascent_halo());
-    let kept = part.scan(scanned, monitor)?;
-    let is_own = |&i: &u32| tile.contains(part.place(i));
+    let kept = cloud.scan(scanned, monitor)?;
+    let is_own = |&i: &u32| tile.contains(cloud.place(i));
     let Some(sweeps) = options.sweeps else {
-        return Ok(kept.into_iter().filter(is_own).map(|i| part.point(i, &part.samples[i as usize])).collect());
+        return Ok(kept.into_iter().filter(is_own).map(|i| cloud.point(i, &cloud.sample(i))).collect());
     };
-    let mut samples: Vec<Sample> = kept.iter().map(|&i| part.samples[i as usize]).collect();
-    let positions: Vec<DVec3> = part.samples.iter().map(|s| s.position).collect();
-    let normals: Vec<DVec3> = part.samples.iter().map(|s| s.normal).collect();
-    let surface = Rimls::new(&positions, &normals, &part.near, &part.spacings, options.support);
+    let mut samples: Vec<Sample> = kept.iter().map(|&i| cloud.sample(i)).collect();
+    let surface = cloud.surface();
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * options.sigma, step: STEP, sweeps };
     ascend_at_once::<_, 3>(&Lifted { surface: &surface, lift: Lift::NONE }, &mut samples, ascent, monitor)?;
     let own: Vec<(u32, Sample)> = kept.into_iter().zip(samples).filter(|(i, _)| is_own(i)).collect();
-    let projected = |&(i, sample): &(u32, Sample)| part.point(i, &surface.sample(sample.position).unwrap_or(sample));
+    let projected = |&(i, sample): &(u32, Sample)| cloud.point(i, &surface.sample(sample.position).unwrap_or(sample));
     Ok(parallel::map(&own[..], projected))
 }
 
@@ -134,23 +137,24 @@ pub fn count_in_tile(
     outline: &Outline,
     monitor: &dyn Monitor,
 ) -> Result<usize> {
-    let part = Part::new(points, options, outline);
-    let kept = part.scan(tile, monitor)?;
-    Ok(kept.into_iter().filter(|&i| tile.contains(part.place(i))).count())
+    let cloud = LocalCloud::new(points, options, outline);
+    let kept = cloud.scan(tile, monitor)?;
+    Ok(kept.into_iter().filter(|&i| tile.contains(cloud.place(i))).count())
 }
 
 /// Points of a part of a cloud, without outliers, with neighbour information.
-pub(in crate::pipeline) struct Part<'a> {
+pub(in crate::pipeline) struct LocalCloud<'a> {
     options: &'a TileOptions,
-    /// Samples with unit normals; their triangle is their index in this list.
-    pub samples: Vec<Sample>,
     numbers: Vec<u32>,
-    pub spacings: Vec<f64>,
+    pub positions: Vec<DVec3>,
+    /// Unit normals.
+    pub normals: Vec<DVec3>,
+    spacings: Vec<f64>,
     pub near: Neighbors,
 }
 
-impl<'a> Part<'a> {
-    pub fn new(points: Vec<TilePoint>, options: &'a TileOptions, outline: &Outline) -> Part<'a> {
+impl<'a> LocalCloud<'a> {
+    pub fn new(points: Vec<TilePoint>, options: &'a TileOptions, outline: &Outline) -> LocalCloud<'a> {
         let positions: Vec<DVec3> = points.iter().map(|p| p.position).collect();
         let near = Neighbors::new(&positions);
         let look = |found: &mut Vec<Neighbor>, p: usize| {
@@ -160,25 +164,29 @@ impl<'a> Part<'a> {
             }
             let farthest = found.last().map_or(0.0, |n| n.distance_squared.sqrt());
             let spacing = spacing_of(found.len() - 1, farthest).min(SPARSE * options.sigma);
-            Some((normal(&points[p], p, &positions, &near, found, options, outline), spacing))
+            Some((normal(&points[p], p as u32, &positions, &near, found, options, outline), spacing))
         };
         let known: Vec<Option<(DVec3, f64)>> = parallel::map_with(0..points.len(), Vec::new, look);
-        let mut part = Part { options, samples: Vec::new(), numbers: Vec::new(), spacings: Vec::new(), near };
-        for (point, (normal, spacing)) in points.iter().zip(&known).filter_map(|(p, known)| Some((p, (*known)?))) {
-            let triangle = part.samples.len() as u32;
-            part.samples.push(Sample { position: point.position, normal, triangle, size: 1.0 });
-            part.numbers.push(point.number);
-            part.spacings.push(spacing);
-        }
-        if part.samples.len() < points.len() {
-            let left: Vec<DVec3> = part.samples.iter().map(|s| s.position).collect();
-            part.near = Neighbors::new(&left);
-        }
-        part
+        let kept = || points.iter().zip(&known).filter_map(|(point, known)| Some((point, (*known)?)));
+        let (normals, spacings): (Vec<DVec3>, Vec<f64>) = kept().map(|(_, known)| known).unzip();
+        let numbers = kept().map(|(point, _)| point.number).collect();
+        let left: Vec<DVec3> = kept().map(|(point, _)| point.position).collect();
+        let near = if left.len() < points.len() { Neighbors::new(&left) } else { near };
+        LocalCloud { options, numbers, positions: left, normals, spacings, near }
+    }
+
+    /// Returns the implicit surface of the points.
+    pub fn surface(&self) -> Rimls<'_> {
+        Rimls::new(&self.positions, &self.normals, &self.near, &self.spacings, self.options.support())
+    }
+
+    /// Returns point `i` as a sample, whose triangle is `i`.
+    fn sample(&self, i: u32) -> Sample {
+        Sample { position: self.positions[i as usize], normal: self.normals[i as usize], triangle: i, size: 1.0 }
     }
 
     fn place(&self, i: u32) -> IVec3 {
-        place_of(self.samples[i as usize].position, self.options.block())
+        place_of(self.positions[i as usize], self.options.block())
     }
 
     /// Returns point `i` at the position and normal of `sample`.
@@ -188,8 +196,8 @@ impl<'a> Part<'a> {
 
     /// Returns the points that the scan keeps in the blocks of `scanned`, in their original order.
     fn scan(&self, scanned: BlockBox, monitor: &dyn Monitor) -> Result<Vec<u32>> {
-        let heard = (0..self.samples.len() as u32).filter(|&i| scanned.hears(self.place(i))).collect();
-        let candidates = Candidates { part: self, heard };
+        let heard = (0..self.positions.len() as u32).filter(|&i| scanned.hears(self.place(i))).collect();
+        let candidates = Candidates { cloud: self, heard };
         let kernel = Kernel { sigma: self.options.sigma, lift: Lift::NONE };
         let kept = scan_lifted::<3>(&candidates, &[], kernel, self.options.seed, monitor)?;
         let mut kept: Vec<u32> = kept.into_iter().map(|k| candidates.heard[k as usize]).collect();
@@ -199,10 +207,10 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Returns the unit normal of a point, whose nearest neighbours, itself first, are `found`.
+/// Returns the unit normal of a point, number `p` of all, whose nearest neighbours, itself first, are `found`.
 fn normal(
     point: &TilePoint,
-    p: usize,
+    p: u32,
     positions: &[DVec3],
     near: &Neighbors,
     found: &[Neighbor],
@@ -213,23 +221,16 @@ fn normal(
     if given != DVec3::ZERO {
         return if options.is_sided { given } else { outline.sided(point.position, given) };
     }
-    let others = |found: &[Neighbor], count: usize| -> Vec<u32> {
-        found.iter().map(|n| n.point).filter(|&n| n as usize != p).take(count).collect()
+    let nearest: Vec<u32> = found.iter().map(|n| n.point).filter(|&n| n != p).take(FEW_NEIGHBORS).collect();
+    let more = |count: usize, found: &mut Vec<Neighbor>| {
+        near.collect_nearest_within(point.position, count, NEIGHBORHOOD * options.sigma, found);
     };
-    let (mut normal, mut is_line) = plane_normal(positions, p as u32, &others(found, FEW_NEIGHBORS));
-    let mut count = FEW_NEIGHBORS;
-    let mut more = Vec::new();
-    while is_line && count < MOST_ON_LINE * FEW_NEIGHBORS {
-        count *= 2;
-        near.collect_nearest_within(positions[p], count + 1, NEIGHBORHOOD * options.sigma, &mut more);
-        (normal, is_line) = plane_normal(positions, p as u32, &others(&more, count));
-    }
-    outline.sided(point.position, normal)
+    outline.sided(point.position, plane_normal(positions, p, &nearest, more))
 }
 
 /// Points that a scan considers.
 struct Candidates<'a> {
-    part: &'a Part<'a>,
+    cloud: &'a LocalCloud<'a>,
     heard: Vec<u32>,
 }
 
@@ -240,12 +241,12 @@ impl Choices for Candidates<'_> {
 
     #[inline]
     fn sample(&self, number: u32) -> Sample {
-        self.part.samples[self.heard[number as usize] as usize]
+        self.cloud.sample(self.heard[number as usize])
     }
 
     #[inline]
     fn address(&self, number: u32) -> Address {
-        (self.part.numbers[self.heard[number as usize] as usize], 0)
+        (self.cloud.numbers[self.heard[number as usize] as usize], 0)
     }
 
     #[inline]
@@ -258,7 +259,7 @@ impl Choices for Candidates<'_> {
     }
 
     fn cell(&self, sigma: f64) -> f64 {
-        debug_assert!(self.part.options.cell >= sigma * RADIUS / 2.0);
-        self.part.options.cell
+        debug_assert!(self.cloud.options.cell >= sigma * RADIUS / 2.0);
+        self.cloud.options.cell
     }
 }

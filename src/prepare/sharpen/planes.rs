@@ -1,7 +1,7 @@
-//! Tangent planes of a mesh through points, taken from one side of a sharp edge.
+//! Tangent planes of a mesh through points, each through points of one smooth patch only.
 //!
 //! The plane through all points around a vertex near a sharp edge is tilted, and fits poorly. The planes around vertices
-//! farther from the edge fit well, and one of them also passes through this vertex: that of its own side. Planes spread from
+//! farther from the edge fit well, and one of them also passes through this vertex: that of its own patch. Planes spread from
 //! vertex to vertex, and each vertex keeps the one that fits best.
 //!
 //! Based on: M. Kuwahara, K. Hachimura, S. Eiho, M. Kinoshita, Processing of RI-angiocardiographic images, 1976, which smooths
@@ -12,15 +12,15 @@
 use crate::base::csr::Csr;
 use crate::base::math;
 use crate::base::parallel;
-use crate::geom::eigen::eigen;
+use crate::geom::eigen::{eigen, scatter};
 use crate::geom::symmetric::Symmetric;
 use crate::mesh::triangle_mesh::Mesh;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
-/// Number of further passes over the neighbours than there are rings: averages of averages reach less far than a disc.
+/// Passes over the neighbours in addition to one per ring: averages of averages reach less far than a disc.
 const MORE_AVERAGES: usize = 1;
 
-/// Number of further rings from which a vertex may get its plane: those around it all pass through points of both sides.
+/// Number of further rings from which a vertex may get its plane: those around it all pass through points of both patches.
 const MORE_RINGS: usize = 3;
 
 /// Distance of points from a plane, in mean edge lengths, up to which they lie on it in any case, and from which they may
@@ -37,6 +37,11 @@ const BELONGS: f64 = 3.0;
 /// Minimum number of points of a plane.
 const FEWEST: usize = 6;
 
+/// Weight that keeps a vertex where it is, relative to that of a plane, and the number of steps to where planes meet. Planes
+/// that hardly differ thus do not move it far along them.
+const STAY: f64 = 0.03;
+const STEPS: usize = 3;
+
 /// Plane through some points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plane {
@@ -48,7 +53,7 @@ pub(super) struct Plane {
     distance: f64,
 }
 
-/// Tangent plane at a vertex, through the points on its side of any sharp edge.
+/// Tangent plane at a vertex, through points of its own patch.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tangent {
     pub plane: Plane,
@@ -57,24 +62,10 @@ pub(super) struct Tangent {
 }
 
 impl Plane {
-    /// Returns the plane of `moments`, with a normal on the side of `facing`.
-    fn of(moments: &Moments, facing: DVec3) -> Plane {
-        let Moments { weight, sum, squares } = moments;
-        let mean = *sum / *weight;
-        let mut spread = *squares * weight.recip();
-        spread += Symmetric::outer(mean) * -1.0;
-        let ([least, ..], [normal, ..]) = eigen(spread.matrix());
+    /// Returns the plane through points with this mean and covariance, with a normal on the side of `facing`.
+    fn of(mean: DVec3, covariance: DMat3, facing: DVec3) -> Plane {
+        let ([least, ..], [normal, ..]) = eigen(covariance);
         Plane { mean, normal: normal * facing.dot(normal).signum(), distance: least.max(0.0).sqrt() }
-    }
-
-    /// Returns the plane through some of the `positions`, with a normal on the side of `facing`.
-    fn through(points: &[u32], positions: &[DVec3], facing: DVec3) -> Plane {
-        // Differences have fewer digits than positions.
-        let first = positions[points[0] as usize];
-        let mut moments = Moments::default();
-        points.iter().for_each(|&p| moments.add(&Moments::of_point(positions[p as usize] - first), 1.0));
-        let plane = Plane::of(&moments, facing);
-        Plane { mean: plane.mean + first, ..plane }
     }
 
     /// Returns the distance of `p` from the plane, negative on the other side of its normal.
@@ -101,6 +92,13 @@ impl Moments {
         Moments { weight: 1.0, sum: p, squares: Symmetric::outer(p) }
     }
 
+    fn mean_and_covariance(&self) -> (DVec3, DMat3) {
+        let mean = self.sum / self.weight;
+        let mut covariance = self.squares * self.weight.recip();
+        covariance += Symmetric::outer(mean) * -1.0;
+        (mean, covariance.matrix())
+    }
+
     fn add(&mut self, other: &Moments, factor: f64) {
         self.weight += factor * other.weight;
         self.sum += factor * other.sum;
@@ -120,9 +118,10 @@ pub(super) fn tangents(mesh: &Mesh, neighbors: &Csr<u32>, rings: usize) -> Vec<T
     let mut best = around.clone();
     for _ in 0..rings + MORE_RINGS {
         let better = |v: usize| {
-            let found = neighbors.row(v as u32).iter().map(|&w| best[w as usize]).filter(|_| is_bent[v]);
-            let misfit = |plane: &Plane| plane.misfit(positions[v]);
-            found.fold(best[v], |best, plane| if misfit(&plane) < misfit(&best) { plane } else { best })
+            let around: &[u32] = if is_bent[v] { neighbors.row(v as u32) } else { &[] };
+            let found = around.iter().map(|&w| best[w as usize]);
+            let misfits = std::iter::once(best[v]).chain(found).map(|plane| (plane.misfit(positions[v]), plane));
+            misfits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(best[v], |(_, plane)| plane)
         };
         best = parallel::map(0..positions.len(), better);
     }
@@ -135,10 +134,22 @@ pub(super) fn tangents(mesh: &Mesh, neighbors: &Csr<u32>, rings: usize) -> Vec<T
         collect_rings(neighbors, v as u32, rings, near);
         near.retain(|&w| best[v].height(positions[w as usize]).abs() <= reach);
         let is_enough = near.len() >= FEWEST;
-        let plane = if is_enough { Plane::through(near, positions, best[v].normal) } else { best[v] };
-        Tangent { plane, better: around[v].distance / misfit }
+        let through = || {
+            let (mean, squares) = scatter(near.iter().map(|&w| positions[w as usize]));
+            Plane::of(mean, squares * (near.len() as f64).recip(), best[v].normal)
+        };
+        Tangent { plane: if is_enough { through() } else { best[v] }, better: around[v].distance / misfit }
     };
     parallel::map_with(0..positions.len(), Vec::new, tangent)
+}
+
+/// Returns the point where `planes` meet, nearest to `start`.
+pub(super) fn meeting(planes: impl Iterator<Item = Plane> + Clone, start: DVec3) -> DVec3 {
+    let mut squares = Symmetric::default();
+    planes.clone().for_each(|plane| squares += Symmetric::outer(plane.normal));
+    let stay = DMat3::from_diagonal(DVec3::splat(STAY * planes.clone().count() as f64));
+    let step = (squares.matrix() + stay).inverse();
+    (0..STEPS).fold(start, |p, _| p - step * planes.clone().map(|plane| plane.height(p) * plane.normal).sum::<DVec3>())
 }
 
 /// Returns the plane through the points around each vertex.
@@ -158,8 +169,8 @@ fn planes_around(mesh: &Mesh, neighbors: &Csr<u32>, rings: usize) -> Vec<Plane> 
     }
     let normals = mesh.vertex_area_vectors();
     parallel::map(0..moments.len(), |v| {
-        let plane = Plane::of(&moments[v], normals[v]);
-        Plane { mean: plane.mean + middle, ..plane }
+        let (mean, covariance) = moments[v].mean_and_covariance();
+        Plane::of(middle + mean, covariance, normals[v])
     })
 }
 

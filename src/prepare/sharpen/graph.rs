@@ -1,21 +1,21 @@
-//! The net of sharp edges: closes gaps of one edge, and removes spurs.
+//! The graph of sharp edges: closes gaps of one edge, and removes spurs.
 
 use crate::base::csr::Csr;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
 /// Sharp edges, and those at each vertex.
-struct Net<'a> {
+struct SharpEdgeGraph<'a> {
     mesh: &'a Mesh,
     edges: Vec<[u32; 2]>,
     at: Csr<u32>,
 }
 
-impl<'a> Net<'a> {
-    fn new(edges: Vec<[u32; 2]>, mesh: &'a Mesh) -> Net<'a> {
+impl<'a> SharpEdgeGraph<'a> {
+    fn new(edges: Vec<[u32; 2]>, mesh: &'a Mesh) -> SharpEdgeGraph<'a> {
         let ends = || (0..).zip(&edges).flat_map(|(edge, &[a, b])| [(a, edge), (b, edge)]);
         let at = Csr::new(mesh.positions.len(), ends);
-        Net { mesh, edges, at }
+        SharpEdgeGraph { mesh, edges, at }
     }
 
     /// Returns, for each vertex, whether an edge ends there without another one or the boundary. `twin` is the result of
@@ -50,25 +50,25 @@ impl<'a> Net<'a> {
     }
 }
 
-/// Returns a net of sharp `edges` without gaps of one edge between free ends, and without spurs shorter than `shortest`.
+/// Returns the sharp `edges` without gaps of one edge between free ends, and without spurs shorter than `shortest`.
 /// `twin` is the result of [`twins`](crate::mesh::topology::twins).
 pub(super) fn tidied(mut edges: Vec<[u32; 2]>, mesh: &Mesh, twin: &[u32], shortest: f64) -> Vec<[u32; 2]> {
-    let net = Net::new(edges.clone(), mesh);
-    let mut is_free = net.free_ends(twin);
+    let graph = SharpEdgeGraph::new(edges.clone(), mesh);
+    let mut is_free = graph.free_ends(twin);
     for [a, b] in (0..twin.len() as u32).map(|side| mesh.ends(side)) {
-        let are_joined = || net.at.row(a).iter().any(|edge| net.at.row(b).contains(edge));
+        let are_joined = || graph.at.row(a).iter().any(|edge| graph.at.row(b).contains(edge));
         if is_free[a as usize] && is_free[b as usize] && !are_joined() {
             edges.push([a, b]);
             [a, b].iter().for_each(|&v| is_free[v as usize] = false);
         }
     }
-    let net = Net::new(edges, mesh);
-    let is_free = net.free_ends(twin);
-    let mut is_spur = vec![false; net.edges.len()];
+    let graph = SharpEdgeGraph::new(edges, mesh);
+    let is_free = graph.free_ends(twin);
+    let mut is_spur = vec![false; graph.edges.len()];
     for end in (0..is_free.len()).filter(|&v| is_free[v]) {
-        net.spur(end as u32, shortest).into_iter().flatten().for_each(|edge| is_spur[edge as usize] = true);
+        graph.spur(end as u32, shortest).into_iter().flatten().for_each(|edge| is_spur[edge as usize] = true);
     }
-    net.edges.iter().zip(is_spur).filter(|(_, is_spur)| !is_spur).map(|(&edge, _)| edge).collect()
+    graph.edges.iter().zip(is_spur).filter(|(_, is_spur)| !is_spur).map(|(&edge, _)| edge).collect()
 }
 
 #[cfg(test)]
