@@ -13,9 +13,9 @@
 //! Single copies also occur on surfaces: hulls have such faces where four corners are nearly coplanar. Where the other faces
 //! are closed without them, none of the copies belongs to the surface.
 
-use crate::mesh::sides::{Side, edges, sorted_sides};
+use crate::mesh::sides::{Side, edges};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::mesh::weld::representatives;
+use crate::prepare::welded::Welded;
 
 /// Returns, for each triangle, whether it lies between two cells of a volume; `None` if the triangles are not such a volume.
 /// `sides` are the [`sorted_sides`] of all triangles, none of which may have a corner twice.
@@ -31,15 +31,13 @@ pub(super) fn faces_between_cells(triangles: &[[u32; 3]], sides: &[Side]) -> Opt
     (is_volume && is_closed(sides.iter().filter(|s| !between[s.side as usize / 3]).copied())).then_some(between)
 }
 
-/// Returns `mesh` without the triangles between the cells of a volume, if it is one; its vertices stay.
+/// Returns `mesh` without the triangles between the cells of a volume, if it is one, and without those that have no area
+/// then; its vertices stay.
 pub fn without_faces_between_cells(mesh: &Mesh) -> Mesh {
-    let first = representatives(&mesh.positions);
-    let welded = mesh.triangles.iter().map(|t| t.map(|v| first[v as usize]));
-    let (numbers, welded): (Vec<usize>, Vec<[u32; 3]>) =
-        welded.enumerate().filter(|(_, [a, b, c])| a != b && b != c && c != a).unzip();
-    let between = faces_between_cells(&welded, &sorted_sides(&welded)).unwrap_or_else(|| vec![false; welded.len()]);
-    let outside = numbers.into_iter().zip(between).filter(|(_, is_between)| !is_between);
-    Mesh { positions: mesh.positions.clone(), triangles: outside.map(|(t, _)| mesh.triangles[t]).collect() }
+    let Welded { triangles, sources, sides, .. } = Welded::at_places(mesh);
+    let Some(between) = faces_between_cells(&triangles, &sides) else { return mesh.clone() };
+    let outside = sources.into_iter().zip(between).filter(|(_, is_between)| !is_between);
+    Mesh { positions: mesh.positions.clone(), triangles: outside.map(|(t, _)| mesh.triangles[t as usize]).collect() }
 }
 
 /// Returns, for each triangle of these `groups`, which are [`coincident`], whether it lies on a surface that is closed

@@ -10,6 +10,7 @@ pub mod needles;
 pub mod orient;
 pub mod outside;
 pub mod repair;
+pub mod repairs;
 pub mod sharpen;
 pub mod stitch;
 pub mod thin;

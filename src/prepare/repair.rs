@@ -28,39 +28,9 @@ use crate::mesh::sides::{Side, edges, pairs_of_sides, sorted_sides};
 use crate::mesh::topology::{NONE, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::cells::{coincident, faces_between_cells, on_closed_surface};
-use crate::prepare::welded::{Counts, Welded};
+use crate::prepare::repairs::Repairs;
+use crate::prepare::welded::Welded;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
-/// What was done to an input to make it an oriented manifold. All zero if nothing had to be done.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Repairs {
-    /// Vertices merged with another one (texture and normal seams).
-    pub welded_vertices: usize,
-    /// Vertices merged with one at a different place: seams that rounding opened, or cracks within a tolerance.
-    #[serde(default)]
-    pub seam_vertices: usize,
-    /// Vertices that no triangle uses.
-    pub unused_vertices: usize,
-    /// Triangles with two corners at the same place, or in a component without area.
-    pub degenerate_triangles: usize,
-    /// Triangles between two cells of a volume, both of which list them: only the outside is kept.
-    #[serde(default)]
-    pub faces_between_cells: usize,
-    /// Triangles with almost no height, made by rounding: needles were collapsed, caps flipped.
-    #[serde(default)]
-    pub needles: usize,
-    /// Triangles with the same three corners as another one.
-    pub duplicate_triangles: usize,
-    /// Triangles turned over so that neighbours are consistently oriented.
-    pub flipped_triangles: usize,
-    /// Edges with three or more faces that were separated into sheets.
-    pub cut_edges: usize,
-    /// Edges along which a surface that cannot be oriented (a Möbius strip) was cut open.
-    pub unorientable_edges: usize,
-    /// Vertices duplicated so that each has a single fan of faces.
-    pub split_vertices: usize,
-}
 
 /// Returns the oriented 2-manifold made of `mesh`, and what was done.
 pub fn repair(mesh: &Mesh) -> (OrientedManifold, Repairs) {
@@ -80,9 +50,7 @@ pub struct Repaired {
 
 /// Like [`repair`], for vertices at `positions` that are welded already.
 pub fn repair_welded(positions: Vec<DVec3>, mut welded: Welded) -> Repaired {
-    let Counts { unused_vertices, welded_vertices, seam_vertices, degenerate_triangles } = welded.counts;
-    let mut repairs =
-        Repairs { unused_vertices, welded_vertices, seam_vertices, degenerate_triangles, ..Repairs::default() };
+    let mut repairs = welded.repairs;
     drop_faces_between_cells(&mut welded, &mut repairs);
     drop_duplicates(&mut welded, &mut repairs);
     let Welded { representatives, mut triangles, sources, sides, .. } = welded;

@@ -5,13 +5,14 @@
 use crate::mesh::sides::{Side, sorted_sides};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::representatives;
+use crate::prepare::repairs::Repairs;
 
 /// Triangles of a mesh after welding vertices, without those that lose a corner by it.
 pub struct Welded {
     /// For each vertex of the mesh, the first of the vertices that it is welded to.
     pub representatives: Vec<u32>,
-    /// Numbers of welded and dropped vertices and triangles.
-    pub(super) counts: Counts,
+    /// What was done: unused and welded vertices, and dropped triangles.
+    pub(super) repairs: Repairs,
     /// Triangles over the representatives.
     pub(super) triangles: Vec<[u32; 3]>,
     /// For each triangle, its number in the mesh.
@@ -23,13 +24,13 @@ pub struct Welded {
 impl Welded {
     /// Welds the vertices of `mesh` to their `representatives`.
     pub fn new(mesh: &Mesh, representatives: Vec<u32>) -> Welded {
-        let mut counts = Counts::new(mesh, &representatives);
         let welded = mesh.triangles.iter().map(|t| t.map(|v| representatives[v as usize]));
         let kept = welded.zip(0u32..).filter(|([a, b, c], _)| a != b && b != c && c != a);
         let (triangles, sources): (Vec<_>, Vec<_>) = kept.unzip();
-        counts.degenerate_triangles = mesh.triangles.len() - triangles.len();
+        let degenerate_triangles = mesh.triangles.len() - triangles.len();
+        let repairs = Repairs { degenerate_triangles, ..vertex_repairs(mesh, &representatives) };
         let sides = sorted_sides(&triangles);
-        Welded { representatives, counts, triangles, sources, sides }
+        Welded { representatives, repairs, triangles, sources, sides }
     }
 
     /// Welds all vertices of `mesh` at exactly the same place.
@@ -49,31 +50,20 @@ impl Welded {
     }
 }
 
-/// Numbers of unused and welded vertices and of lost triangles, named as in [`Repairs`](crate::prepare::repair::Repairs).
-#[derive(Clone, Copy)]
-pub(super) struct Counts {
-    pub unused_vertices: usize,
-    pub welded_vertices: usize,
-    pub seam_vertices: usize,
-    pub degenerate_triangles: usize,
-}
-
-impl Counts {
-    /// Counts the vertices only; triangles are still zero.
-    fn new(mesh: &Mesh, representatives: &[u32]) -> Counts {
-        let used = mesh.used_vertices();
-        let unused_vertices = used.iter().filter(|&&u| !u).count();
-        // An unused vertex may be the representative of used ones.
-        let mut stands = vec![false; used.len()];
-        representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
-        let places = stands.iter().filter(|stands| **stands).count();
-        let is_moved = |(v, &to): (usize, &u32)| used[v] && mesh.positions[v] != mesh.positions[to as usize];
-        Counts {
-            unused_vertices,
-            welded_vertices: used.len() - unused_vertices - places,
-            seam_vertices: representatives.iter().enumerate().filter(|&v| is_moved(v)).count(),
-            degenerate_triangles: 0,
-        }
+/// Counts the unused and welded vertices of `mesh`.
+fn vertex_repairs(mesh: &Mesh, representatives: &[u32]) -> Repairs {
+    let used = mesh.used_vertices();
+    let unused_vertices = used.iter().filter(|&&u| !u).count();
+    // An unused vertex may be the representative of used ones.
+    let mut stands = vec![false; used.len()];
+    representatives.iter().zip(&used).filter(|v| *v.1).for_each(|(&first, _)| stands[first as usize] = true);
+    let places = stands.iter().filter(|stands| **stands).count();
+    let is_moved = |(v, &to): (usize, &u32)| used[v] && mesh.positions[v] != mesh.positions[to as usize];
+    Repairs {
+        unused_vertices,
+        welded_vertices: used.len() - unused_vertices - places,
+        seam_vertices: representatives.iter().enumerate().filter(|&v| is_moved(v)).count(),
+        ..Repairs::default()
     }
 }
 

@@ -14,7 +14,7 @@ mod table;
 
 pub use crate::mesh::topology::Topology;
 pub use crate::pipeline::{CloudSummary, Coverage, Deviation};
-pub use crate::prepare::repair::Repairs;
+pub use crate::prepare::repairs::Repairs;
 pub use crate::quality::distance::Distance;
 pub use crate::quality::shape::Shape;
 pub use failure::{FAILURE_SCHEMA, Failure};

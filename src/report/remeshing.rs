@@ -13,7 +13,7 @@ use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{CloudSummary, Coverage, Deviation, Remeshed, shortcomings, topology_faults};
 use crate::prepare::cells::without_faces_between_cells;
-use crate::prepare::repair::Repairs;
+use crate::prepare::repairs::Repairs;
 use crate::quality::distance::{Distance, REPORT_SAMPLES, distance};
 use crate::quality::shape::{Shape, shape};
 use crate::report::run::{RunSummary, to_json};

@@ -4,7 +4,7 @@ use crate::base::count::{counted, counts};
 use crate::base::math;
 use crate::mesh::topology::Topology;
 use crate::pipeline::{CloudSummary, Coverage};
-use crate::prepare::repair::Repairs;
+use crate::prepare::repairs::Repairs;
 use crate::quality::distance::Distance;
 use crate::quality::shape::Shape;
 use crate::report::remeshing::{Measured, Report};

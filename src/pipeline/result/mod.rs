@@ -15,7 +15,7 @@ use crate::pipeline::cloud::coverage::Coverage;
 use crate::pipeline::result::edges::Edges;
 use crate::pipeline::result::lost::LostComponents;
 use crate::pipeline::sized::pinholes::Pinholes;
-use crate::prepare::repair::Repairs;
+use crate::prepare::repairs::Repairs;
 use crate::prepare::stitch::Cracks;
 use crate::surface::narrow_patches::LeftOut;
 use glam::DVec3;

@@ -18,7 +18,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::Density;
 use crate::pipeline::prepared::PreparedInput;
 use crate::pipeline::scale::Scale;
-use crate::prepare::repair::Repairs;
+use crate::prepare::repairs::Repairs;
 use crate::surface::domain::Domain;
 use crate::surface::sizing::{lengths_from_interface, mean_density, vertices};
 

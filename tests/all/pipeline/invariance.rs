@@ -3,7 +3,7 @@
 use super::*;
 use glam::{DVec3, dvec3};
 use spectral_remesh::Grading;
-use spectral_remesh::stages::prepare::repair::Repairs;
+use spectral_remesh::stages::prepare::repairs::Repairs;
 
 /// Quality and topology do not depend on the position, size and orientation of the input.
 #[test]
