@@ -1,4 +1,5 @@
-//! Prepares an input for sampling: repairs, refinement, smoothing; for clouds, normals and their orientation.
+//! Prepares an input for sampling: repairs, coarsening, smoothing; for clouds, thinning, normals and their orientation, and
+//! sharp edges.
 
 pub mod bend;
 pub mod cells;

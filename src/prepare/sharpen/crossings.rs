@@ -7,7 +7,6 @@ use crate::base::union_find::UnionFind;
 use crate::mesh::sides::lower_first;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
-use crate::prepare::sharpen::Sharpening;
 use crate::prepare::sharpen::planes::{BETTER, Tangent, meeting};
 use glam::DVec3;
 
@@ -34,17 +33,18 @@ pub(super) struct Crossings {
 }
 
 impl Crossings {
-    pub fn find(mesh: &Mesh, tangents: &[Tangent], wanted: &Sharpening) -> Crossings {
+    /// Finds the edges that cross sharp edges of at least `angle` degrees, in chains that are clear over the length `shortest`.
+    pub fn find(mesh: &Mesh, tangents: &[Tangent], angle: f64, shortest: f64) -> Crossings {
         let twin = twins(&mesh.triangles);
         let mut crossings = Crossings { all: Vec::new(), of_side: vec![NONE; twin.len()], share: 0.0 };
         for side in (0..twin.len() as u32).filter(|&side| side < twin[side as usize]) {
-            let Some(crossing) = crossing(mesh, tangents, side, wanted.angle) else { continue };
+            let Some(crossing) = crossing(mesh, tangents, side, angle) else { continue };
             let number = crossings.all.len() as u32;
             let sides = [side, twin[side as usize]].into_iter().filter(|&s| s != NONE);
             sides.for_each(|s| crossings.of_side[s as usize] = number);
             crossings.all.push(crossing);
         }
-        crossings.keep_chains(mesh, tangents, wanted.shortest);
+        crossings.keep_chains(mesh, tangents, shortest);
         crossings
     }
 

@@ -77,7 +77,7 @@ impl<'a> CutEdges<'a> {
         // At the boundary, a vertex lacks one of its neighbours.
         let neighbors = Csr::new(mesh.positions.len(), sides);
         let tangents = tangents(mesh, &neighbors, wanted.rings);
-        let crossings = Crossings::find(mesh, &tangents, &wanted);
+        let crossings = Crossings::find(mesh, &tangents, wanted.angle, wanted.shortest);
         (!crossings.all.is_empty()).then_some(CutEdges { mesh, tangents, crossings, wanted })
     }
 
