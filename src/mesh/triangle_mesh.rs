@@ -96,6 +96,15 @@ impl Mesh {
         self.bounds().map_or(0.0, |bounds| bounds.diagonal())
     }
 
+    /// Marks the vertices in so many rings around the `marked` ones, too.
+    pub fn grow(&self, marked: &mut [bool], rings: usize) {
+        for _ in 0..rings {
+            let touches = |t: &&[u32; 3]| t.iter().any(|&v| marked[v as usize]);
+            let around: Vec<[u32; 3]> = self.triangles.iter().filter(touches).copied().collect();
+            around.as_flattened().iter().for_each(|&v| marked[v as usize] = true);
+        }
+    }
+
     /// Returns, for each vertex, whether a triangle uses it.
     pub fn used_vertices(&self) -> Vec<bool> {
         used_vertices(&self.triangles, self.positions.len())

@@ -199,11 +199,7 @@ fn steady_normals(mesh: &Mesh, sharp: &[bool]) -> Vec<DVec3> {
 /// Returns the vertices among the first `count` of `mesh` on which the others depend.
 fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
     let mut is_near: Vec<bool> = (0..mesh.positions.len()).map(|v| v >= count).collect();
-    for _ in 0..RINGS {
-        let around: Vec<[u32; 3]> =
-            mesh.triangles.iter().filter(|t| t.iter().any(|&v| is_near[v as usize])).copied().collect();
-        around.iter().flatten().for_each(|&v| is_near[v as usize] = true);
-    }
+    mesh.grow(&mut is_near, RINGS);
     (0..count as u32).filter(|&v| is_near[v as usize]).collect()
 }
 

@@ -68,12 +68,8 @@ impl Joined {
     pub fn to_be_made_anew(&self, first: usize) -> Vec<bool> {
         let mut near = self.at_small_angles();
         near.iter_mut().zip(&self.keys).for_each(|(near, &key)| *near |= piece_of(key) < first);
-        let touches = |near: &[bool], t: &[u32; 3]| t.iter().any(|&v| near[v as usize]);
-        for _ in 1..RINGS {
-            let ring: Vec<[u32; 3]> = self.mesh.triangles.iter().filter(|t| touches(&near, t)).copied().collect();
-            ring.as_flattened().iter().for_each(|&v| near[v as usize] = true);
-        }
-        self.mesh.triangles.iter().map(|t| touches(&near, t)).collect()
+        self.mesh.grow(&mut near, RINGS - 1);
+        self.mesh.triangles.iter().map(|t| t.iter().any(|&v| near[v as usize])).collect()
     }
 }
 

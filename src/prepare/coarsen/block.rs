@@ -164,8 +164,8 @@ impl Block {
     }
 }
 
-/// Renumbers the vertices of `triangles` in the order of their first use. Returns the triangles and the vertices in that
-/// order.
+/// Renumbers the few vertices of a large mesh that `triangles` use in the order of their first use. Returns the triangles and
+/// the vertices in that order.
 pub(super) fn numbered_apart(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut number: FxHashMap<u32, u32> = FxHashMap::default();
     number.reserve(triangles.len());

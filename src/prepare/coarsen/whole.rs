@@ -21,8 +21,17 @@ pub struct Coarsened {
 /// memory.
 pub fn in_spatial_order(mesh: OrientedManifold) -> OrientedManifold {
     let order = mesh.bounds().map_or(Vec::new(), |bounds| order_of_triangles(&mesh, bounds));
-    let mut number = vec![NONE; mesh.positions.len()];
-    let mut vertices = Vec::with_capacity(mesh.positions.len());
+    let (triangles, vertices) = numbered(order.iter().map(|&t| mesh.triangles[t as usize]), mesh.positions.len());
+    let positions = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
+    let provenance = mesh.into_parts().1.select(&vertices, &order);
+    OrientedManifold::trusted(Mesh { positions, triangles }, provenance)
+}
+
+/// Renumbers `count` vertices in the order in which `triangles` use them. Returns the triangles and the used vertices in that
+/// order.
+fn numbered(triangles: impl Iterator<Item = [u32; 3]>, count: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let mut number = vec![NONE; count];
+    let mut vertices = Vec::new();
     let mut numbered = |v: u32| {
         if number[v as usize] == NONE {
             number[v as usize] = vertices.len() as u32;
@@ -30,10 +39,8 @@ pub fn in_spatial_order(mesh: OrientedManifold) -> OrientedManifold {
         }
         number[v as usize]
     };
-    let triangles = order.iter().map(|&t| mesh.triangles[t as usize].map(&mut numbered)).collect();
-    let positions = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
-    let provenance = mesh.into_parts().1.select(&vertices, &order);
-    OrientedManifold::trusted(Mesh { positions, triangles }, provenance)
+    let triangles = triangles.map(|corners| corners.map(&mut numbered)).collect();
+    (triangles, vertices)
 }
 
 /// Returns `fine` with longer edges. `sharp` says for each side of its triangles whether it is on a sharp edge. Triangles
@@ -123,18 +130,8 @@ impl Coarse<'_> {
 
     /// Joins the remains of all blocks, and renumbers vertices without gaps.
     fn joined(&self, blocks: &[Left]) -> Coarse<'static> {
-        let mut number = vec![NONE; self.mesh.positions.len()];
-        let mut old = Vec::new();
-        let mut triangles = Vec::with_capacity(blocks.iter().map(|block| block.triangles.len()).sum());
-        for corners in blocks.iter().flat_map(|block| &block.triangles) {
-            triangles.push(corners.map(|v| {
-                if number[v as usize] == NONE {
-                    number[v as usize] = old.len() as u32;
-                    old.push(v);
-                }
-                number[v as usize]
-            }));
-        }
+        let of_blocks = blocks.iter().flat_map(|block| &block.triangles).copied();
+        let (triangles, old) = numbered(of_blocks, self.mesh.positions.len());
         let mut strayed = self.strayed.clone();
         blocks.iter().flat_map(|block| &block.strayed).for_each(|&(v, far)| strayed[v as usize] = far);
         let of_triangle = blocks.iter().flat_map(|block| &block.sources).map(|&t| self.of_triangle[t as usize]);
