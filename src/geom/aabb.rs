@@ -1,6 +1,7 @@
 //! Axis-aligned bounding boxes.
 
 use glam::DVec3;
+use std::fmt;
 
 /// An axis-aligned box. The default box contains only the origin.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -9,6 +10,20 @@ pub struct Aabb {
     pub lo: DVec3,
     /// Largest coordinates.
     pub hi: DVec3,
+}
+
+impl From<[[f64; 3]; 2]> for Aabb {
+    /// The box with these lowest and highest x, y and z.
+    fn from([lo, hi]: [[f64; 3]; 2]) -> Aabb {
+        Aabb { lo: lo.into(), hi: hi.into() }
+    }
+}
+
+impl fmt::Display for Aabb {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Aabb { lo, hi } = self;
+        write!(f, "{},{},{},{},{},{}", lo.x, lo.y, lo.z, hi.x, hi.y, hi.z)
+    }
 }
 
 impl Aabb {
@@ -96,6 +111,7 @@ mod tests {
         assert_eq!((found.lo, found.hi), (DVec3::new(-1.0, 0.0, 3.0), DVec3::new(1.0, 2.0, 5.0)));
         assert_eq!((found.size(), found.diagonal()), (DVec3::splat(2.0), 12f64.sqrt()));
         assert_eq!((found, found), (Aabb::of_triangle(corners), found.join(&Aabb::EMPTY)));
+        assert_eq!((found, found.to_string()), ([[-1.0, 0.0, 3.0], [1.0, 2.0, 5.0]].into(), "-1,0,3,1,2,5".into()));
         assert_eq!(Aabb::of([]), None);
     }
 

@@ -110,7 +110,7 @@ impl RemeshSettings {
             grading: grading(sizing, adapt, sigma_n, signals)?,
             smooth,
             of_points: false,
-            part: within.map(|[lowest, highest]| Selection::Box(lowest, highest)).or(select),
+            part: within.map(Selection::Box).or(select),
             max_error,
             optimize,
             // Not a setting.

@@ -1,7 +1,6 @@
 //! Determines which points of a cloud a job can use, and leaves out the others.
 
 use crate::base::error::Result;
-use crate::geom::aabb::Aabb;
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Density, Grading, Options, SampleDensity, SampleOptions, Selection, Signal, Values};
@@ -22,11 +21,7 @@ fn for_points(points: usize) -> usize {
 /// Returns which points of a cloud are wanted for remeshing it: those inside the box of the part, and about as many as are
 /// useful. All may be useful, or each has a value of its own, or the result is measured against all of them.
 pub fn wanted_for_remeshing(options: &Options) -> Wanted {
-    let within = match options.part {
-        Some(Selection::Box(lowest, highest)) => Some(Aabb { lo: lowest.into(), hi: highest.into() }),
-        _ => None,
-    };
-    Wanted { points: of_use_for_remeshing(options), within }
+    Wanted { points: of_use_for_remeshing(options), within: options.part.as_ref().and_then(Selection::bounds) }
 }
 
 /// Returns which points of a cloud are wanted for sampling it, like [`wanted_for_remeshing`].

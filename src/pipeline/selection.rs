@@ -12,7 +12,7 @@ use crate::mesh::triangle_mesh::Mesh;
 pub enum Selection {
     /// The inside of a box, including its faces, given by its lowest and its highest x, y and z, in the units of the input.
     /// Of a cloud, only the points in it are used.
-    Box([f64; 3], [f64; 3]),
+    Box([[f64; 3]; 2]),
     /// The vertices of the input that are marked.
     Vertices(Vec<bool>),
     /// The vertices with a given value of an attribute.
@@ -25,10 +25,10 @@ pub enum Selection {
 }
 
 /// Refuses a box whose lowest x, y and z are not below its highest.
-pub(super) fn check_box(lowest: &[f64; 3], highest: &[f64; 3]) -> Result<()> {
-    let wrong = (0..3).find(|&k| !lowest[k].is_finite() || !highest[k].is_finite() || lowest[k] > highest[k]);
+pub(super) fn check_box(Aabb { lo, hi }: Aabb) -> Result<()> {
+    let wrong = (0..3).find(|&k| !lo[k].is_finite() || !hi[k].is_finite() || lo[k] > hi[k]);
     wrong.map_or(Ok(()), |k| {
-        let cause = format!("it goes from {} to {} along {}", lowest[k], highest[k], ["x", "y", "z"][k]);
+        let cause = format!("it goes from {} to {} along {}", lo[k], hi[k], ["x", "y", "z"][k]);
         let remedy = "give the lowest x, y and z, then the highest".into();
         Err(Error::Option { option: Setting::PartBox, cause, remedy })
     })
@@ -45,6 +45,14 @@ impl Selection {
         Ok(Selection::Vertices(attributes.numbers(attribute)?.into_iter().map(is_marked).collect()))
     }
 
+    /// Returns the box, if the part is given by one.
+    pub(crate) fn bounds(&self) -> Option<Aabb> {
+        match *self {
+            Selection::Box(corners) => Some(corners.into()),
+            _ => None,
+        }
+    }
+
     /// Setting that corresponds to the selection.
     pub(crate) fn setting(&self) -> Setting {
         if matches!(self, Selection::Box(..)) { Setting::PartBox } else { Setting::PartMarks }
@@ -56,10 +64,7 @@ impl Selection {
 
     /// Refuses a selection that is empty for every input.
     pub(super) fn validate(&self) -> Result<()> {
-        match self {
-            Selection::Box(lowest, highest) => check_box(lowest, highest),
-            _ => Ok(()),
-        }
+        self.bounds().map_or(Ok(()), check_box)
     }
 
     /// Refuses marks whose number differs from `vertices`.
@@ -81,8 +86,8 @@ impl Selection {
     /// Returns, for each triangle of the repaired input, whether it is in the part.
     pub(super) fn triangles(&self, repaired: &OrientedManifold) -> Vec<bool> {
         let inside: Vec<bool> = match self {
-            Selection::Box(lowest, highest) => {
-                let part = Aabb { lo: (*lowest).into(), hi: (*highest).into() };
+            Selection::Box(corners) => {
+                let part = Aabb::from(*corners);
                 repaired.positions.iter().map(|p| part.contains(*p)).collect()
             }
             Selection::Vertices(selected) => repaired.provenance().marks(selected),
@@ -93,16 +98,10 @@ impl Selection {
 
     /// Returns the error that no triangle of `repaired` is in the part.
     pub(super) fn refuse_nothing<T>(&self, repaired: &Mesh) -> Result<T> {
-        let Aabb { lo, hi } = repaired.bounds().unwrap_or_default();
-        let list = |p: [f64; 3]| p.map(|x| x.to_string()).join(",");
         match self {
-            Selection::Box(lowest, highest) => {
-                let (part, all) = ([*lowest, *highest].map(list), [lo, hi].map(|p| list(p.to_array())));
-                let cause = format!(
-                    "no triangle is inside {}: those of the input are within {}",
-                    part.join(","),
-                    all.join(",")
-                );
+            Selection::Box(corners) => {
+                let (part, all) = (Aabb::from(*corners), repaired.bounds().unwrap_or_default());
+                let cause = format!("no triangle is inside {part}: those of the input are within {all}");
                 self.refuse(cause, "give a larger box, or another one")
             }
             Selection::Vertices(selected) => {

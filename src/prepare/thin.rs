@@ -140,10 +140,8 @@ impl Thinned {
     /// [`Error::Option`] with the box and that of the points.
     pub fn refuse_empty(&self, wanted: &Wanted) -> Result<()> {
         let Some(within) = wanted.within.filter(|_| self.inside == 0 && self.points > 0) else { return Ok(()) };
-        let list = |Aabb { lo, hi }: Aabb| [lo, hi].map(|p| p.to_array().map(|x| x.to_string()).join(",")).join(",");
-        let theirs =
-            self.bounds.map_or(String::new(), |bounds| format!(": those that were read are within {}", list(bounds)));
-        let cause = format!("none of the {} points is inside {}{theirs}", self.points, list(within));
+        let theirs = self.bounds.map_or(String::new(), |bounds| format!(": those that were read are within {bounds}"));
+        let cause = format!("none of the {} points is inside {within}{theirs}", self.points);
         Err(Error::Option { option: Setting::PartBox, cause, remedy: "give a larger box, or another one".into() })
     }
 

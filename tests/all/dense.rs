@@ -3,7 +3,6 @@
 use glam::{DVec3, dvec3};
 use spectral_remesh::io::file::{read_file, read_wanted, write_points_file};
 use spectral_remesh::stages::base::rng::{Stage, stream, unit};
-use spectral_remesh::stages::geom::aabb::Aabb;
 use spectral_remesh::stages::prepare::thin::Wanted;
 use spectral_remesh::{
     Attribute, Attributes, Grading, Input, Options, Origin, Points, SampleDensity, SampleOptions, Scalar, Selection,
@@ -106,8 +105,8 @@ fn samples_of_a_dense_cloud_are_points_of_it_and_the_same_from_a_file_and_with_a
 }
 
 /// All points in this box.
-fn in_box([lowest, highest]: [[f64; 3]; 2]) -> Wanted {
-    Wanted { points: None, within: Some(Aabb { lo: lowest.into(), hi: highest.into() }) }
+fn in_box(corners: [[f64; 3]; 2]) -> Wanted {
+    Wanted { points: None, within: Some(corners.into()) }
 }
 
 /// A box that contains a quarter of the torus.
@@ -117,8 +116,7 @@ const BOX: [[f64; 3]; 2] = [[-9.0, 0.0, -9.0], [0.0, 9.0, 9.0]];
 fn of_a_cloud_only_the_points_in_a_box_are_remeshed() {
     let (_folder, path) = file(6000);
     let all = read_file(&path, None).unwrap();
-    let [lowest, highest] = BOX;
-    let part = Some(Selection::Box(lowest, highest));
+    let part = Some(Selection::Box(BOX));
     // Values are given for all points.
     let lengths = Grading::Field(Values::Given(vec![0.3; 6000]));
     let surface = Options { part, grading: lengths, ..Options::points(300) };
@@ -149,7 +147,7 @@ fn of_a_cloud_only_the_points_in_a_box_are_remeshed() {
 fn a_box_without_points_and_a_box_for_a_mesh_are_one_line() {
     let (_folder, path) = file(3000);
     let all = read_file(&path, None).unwrap();
-    let part = Some(Selection::Box([9.0; 3], [10.0; 3]));
+    let part = Some(Selection::Box([[9.0; 3], [10.0; 3]]));
     let surface = Options { part, ..Options::points(300) };
     let of_file = read_wanted(&path, None, in_box([[9.0; 3], [10.0; 3]])).unwrap_err().to_string();
     let of_all = remesh(&Input::from(&all), &surface.into(), &()).unwrap_err().to_string();

@@ -13,7 +13,7 @@ use spectral_remesh::{Density, Mesh, Options, Selection};
 const ALL: f64 = 1e9;
 
 fn above(z: f64) -> Selection {
-    Selection::Box([-ALL, -ALL, z], [ALL, ALL, ALL])
+    Selection::Box([[-ALL, -ALL, z], [ALL, ALL, ALL]])
 }
 
 /// Selects the vertices of `mesh` where `f` holds.
@@ -116,7 +116,7 @@ fn sharp_edges_inside_stay_sharp() {
     let o = DVec3::ZERO;
     let faces = [face(y, x, o), face(x, z, o), face(z, y, o), face(x, y, z), face(z, x, y), face(y, z, x)];
     let cube = spectral_remesh::stages::prepare::repair::repair(&together(&faces)).0.into_mesh();
-    let (made, _) = check(&cube, Selection::Box([0.45; 3], [2.0; 3]), 300);
+    let (made, _) = check(&cube, Selection::Box([[0.45; 3], [2.0; 3]]), 300);
     assert_eq!(made.sharp_curves, 3);
     assert!((volume(&made.mesh) - 1.0).abs() < 1e-9, "{}", volume(&made.mesh));
 }
@@ -134,10 +134,10 @@ fn a_part_that_is_everything_is_no_part() {
 fn a_part_that_is_nothing_is_one_line() {
     let input = sphere(2, DVec3::ZERO, 1.0);
     let message = |selection: Selection| remesh(&input, &part(selection, 100), &()).unwrap_err().to_string();
-    let nothing = message(Selection::Box([2.0; 3], [3.0; 3]));
+    let nothing = message(Selection::Box([[2.0; 3], [3.0; 3]]));
     assert!(nothing.contains("inside 2,2,2,3,3,3") && nothing.contains("within -1,-1,-1,1,1,1"), "{nothing}");
     assert!(message(places(&input, |p| p.z == 1.0)).contains("1 of 66 vertices are"));
-    assert!(message(Selection::Box([0.0, 3.0, 0.0], [1.0; 3])).contains("it goes from 3 to 1 along y"));
+    assert!(message(Selection::Box([[0.0, 3.0, 0.0], [1.0; 3]])).contains("it goes from 3 to 1 along y"));
     assert!(message(Selection::Vertices(vec![true; 5])).contains("5 marks are given for the 66 vertices"));
     let smoothed = Options { smooth: Some(2.0), ..part(above(0.0), 100) };
     assert!(remesh(&input, &smoothed, &()).unwrap_err().to_string().starts_with("support radius of smoothing: "));

@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(remeshing("remesh a b --edge-length 2 -q").options.surface.density, Density::EdgeLength(2.0));
         assert_eq!(remeshing("remesh a b --points 5 -q").run.voice, Voice::Quiet);
         assert_eq!(remeshing("remesh a b --levels 90,30,9").levels, [90, 30, 9]);
-        let part = Some(Selection::Box([-1.0, 0.0, 0.5], [1.0, 2.0, 3e1]));
+        let part = Some(Selection::Box([[-1.0, 0.0, 0.5], [1.0, 2.0, 3e1]]));
         assert_eq!(remeshing("remesh a b --points 5 --within -1,0,.5,1,2,3e1").options.surface.part, part);
         let mark = |attribute: &str, value| Some(Selection::Marked { attribute: attribute.into(), value });
         assert_eq!(remeshing("remesh a b --points 5 --select red").options.surface.part, mark("red", None));

@@ -117,7 +117,7 @@ fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
         && cloud.fill_holes == 0.0
         && cloud.terrain != Some(true);
     let within = match surface.part {
-        Some(Selection::Box(lowest, highest)) => Some([lowest, highest]),
+        Some(Selection::Box(corners)) => Some(corners),
         _ => None,
     };
     // A base mesh is made in memory in any case.

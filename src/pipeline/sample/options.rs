@@ -54,7 +54,7 @@ impl Default for SampleOptions {
 impl SampleOptions {
     /// Returns the box inside which points are used.
     pub(crate) fn bounds(&self) -> Option<Aabb> {
-        self.within.map(|[lowest, highest]| Aabb { lo: lowest.into(), hi: highest.into() })
+        self.within.map(Aabb::from)
     }
 
     /// Refuses a box, which is only possible for clouds.
@@ -77,7 +77,7 @@ impl SampleOptions {
     pub fn validate(&self) -> Result<()> {
         check_kernel(self.sigma_n, &self.signals)?;
         self.cloud.validate()?;
-        self.within.iter().try_for_each(|[lowest, highest]| check_box(lowest, highest))?;
+        self.bounds().map_or(Ok(()), check_box)?;
         if self.levels == Some(0) {
             let (cause, remedy) = ("there must be at least one level".into(), "give 1 or more".into());
             return Err(Error::Option { option: Setting::Levels, cause, remedy });
