@@ -1,6 +1,6 @@
 //! Sampling and reconstruction, each as one call.
 
-use crate::base::error::Result;
+use crate::base::error::{Result, Setting};
 use crate::base::monitor::{Monitor, Overall};
 use crate::base::parallel;
 use crate::job::input::Input;
@@ -30,10 +30,7 @@ pub fn sample(input: &Input, options: &SampleOptions, monitor: &dyn Monitor) -> 
     }
     let input = &*input.thinned_to(wanted_for_sampling(options))?;
     let monitor = &Overall::new(monitor, &SAMPLING);
-    let resolved = |signal: &Signal| match input.thinning() {
-        Some(thinned) => signal.picked(&thinned.numbers, thinned.points)?.resolved(input.attributes()),
-        None => signal.resolved(input.attributes()),
-    };
+    let resolved = |signal: &Signal| signal.with_values(|values| input.values(Setting::Signals, values));
     let signals: Result<Vec<Signal>> = options.signals.iter().map(resolved).collect();
     let options = SampleOptions { signals: signals?, ..options.clone() };
     if !input.is_cloud() {

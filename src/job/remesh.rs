@@ -9,8 +9,8 @@ use crate::mesh::attributes::{Attributes, Lost};
 use crate::mesh::provenance::Origins;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
-    CloudOptions, CloudSummary, Coverage, Density, Grading, LostComponents, Options, Remeshed, Remesher, Selection,
-    Signal, check_levels, mesh_of_cloud,
+    CloudOptions, CloudSummary, Coverage, Density, LostComponents, Options, Remeshed, Remesher, Selection,
+    check_levels, mesh_of_cloud,
 };
 use crate::prepare::thin::Thinned;
 use crate::report::{Report, left_out, noise, terrain};
@@ -227,11 +227,7 @@ struct Cloud {
 
 impl<'a> Surface<'a> {
     fn new(input: &'a Input, options: &RemeshOptions, monitor: &dyn Monitor) -> Result<Surface<'a>> {
-        let grading = match input.thinning() {
-            Some(thinned) => options.surface.grading.picked(&thinned.numbers, thinned.points)?,
-            None => options.surface.grading.clone(),
-        };
-        let resolved = resolved(&Options { grading, ..options.surface.clone() }, input.attributes())?;
+        let resolved = resolved(&options.surface, input)?;
         if !input.is_cloud() {
             let (input, attributes) = (input.as_mesh(), Cow::Borrowed(input.attributes()));
             return Ok(Surface { input, of_points: None, attributes, options: resolved, points: None, cloud: None });
@@ -248,7 +244,7 @@ impl<'a> Surface<'a> {
         let cloud = CloudOptions { smooth, ..options.cloud.clone() };
         let mut made = mesh_of_cloud(&input.as_points()?, &cloud, resolved.density, monitor)?;
         let features = made.sharpen(resolved.features.clone(), resolved.density);
-        let grading = resolved.grading.of(&made.source);
+        let grading = resolved.grading.with_values(|_, values| Ok(values.of(&made.source)))?;
         if let Some(thinned) = input.thinning() {
             made.summary.thin(thinned);
         }
@@ -294,17 +290,10 @@ impl Cloud {
     }
 }
 
-/// Returns the options with all attributes that they name looked up.
-fn resolved(options: &Options, attributes: &Attributes) -> Result<Options> {
-    let grading = match &options.grading {
-        Grading::Field(lengths) => Grading::Field(lengths.resolved(attributes)?),
-        Grading::Kernel { sigma_n, signals } => {
-            let signals: Result<Vec<Signal>> = signals.iter().map(|signal| signal.resolved(attributes)).collect();
-            Grading::Kernel { sigma_n: *sigma_n, signals: signals? }
-        }
-        other => other.clone(),
-    };
-    let part = options.part.as_ref().map(|part| part.resolved(attributes)).transpose()?;
+/// Returns the options for `input`, with all attributes that they name looked up.
+fn resolved(options: &Options, input: &Input) -> Result<Options> {
+    let grading = options.grading.with_values(|option, values| input.values(option, values))?;
+    let part = options.part.as_ref().map(|part| part.resolved(input.attributes())).transpose()?;
     let resolved = Options { grading, part, ..options.clone() };
     resolved.validate()?;
     Ok(resolved)

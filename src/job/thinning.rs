@@ -1,6 +1,6 @@
 //! Determines which points of a cloud a job can use, and leaves out the others.
 
-use crate::base::error::Result;
+use crate::base::error::{Result, Setting};
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{Density, Grading, Options, SampleDensity, SampleOptions, Selection, Signal, Values};
@@ -54,6 +54,18 @@ fn is_given(values: &Values) -> bool {
 }
 
 impl<'a> Input<'a> {
+    /// Returns the values at the points that thinning kept, with an attribute looked up.
+    ///
+    /// # Errors
+    /// [`Error::Option`](crate::Error::Option) unless one value is given for each point before thinning;
+    /// [`Error::Mesh`](crate::Error::Mesh) for an attribute that does not exist.
+    pub(super) fn values(&self, option: Setting, values: &Values) -> Result<Values> {
+        match self.thinning() {
+            Some(thinned) => values.picked(option, &thinned.numbers, thinned.points)?.resolved(self.attributes()),
+            None => values.resolved(self.attributes()),
+        }
+    }
+
     /// Returns the wanted points of a cloud; any other input, and one that was thinned before, as it is.
     ///
     /// # Errors

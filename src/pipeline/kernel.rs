@@ -2,7 +2,6 @@
 
 use crate::base::error::{Error, Result, Setting};
 use crate::geom::triangle::barycentric;
-use crate::mesh::attributes::Attributes;
 use crate::pipeline::values::Values;
 use crate::spectral::scan::Kernel;
 use crate::surface::domain::{Domain, Sample};
@@ -19,25 +18,12 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// Returns the signal with its attribute looked up.
+    /// Returns the signal with the values that `of` makes of its own.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for an attribute that does not exist.
-    pub fn resolved(&self, attributes: &Attributes) -> Result<Signal> {
-        Ok(Signal { values: self.values.resolved(attributes)?, sigma: self.sigma })
-    }
-
-    /// Returns the signal at some of the points.
-    pub(super) fn of(&self, points: &[u32]) -> Signal {
-        Signal { values: self.values.of(points), sigma: self.sigma }
-    }
-
-    /// Returns the signal at some of `all` points, at which values may be given.
-    ///
-    /// # Errors
-    /// [`Error::Option`] unless as many are given as there are points.
-    pub fn picked(&self, points: &[u32], all: usize) -> Result<Signal> {
-        Ok(Signal { values: self.values.picked(Setting::Signals, points, all)?, sigma: self.sigma })
+    /// Those of `of`.
+    pub(crate) fn with_values(&self, of: impl FnOnce(&Values) -> Result<Values>) -> Result<Signal> {
+        Ok(Signal { values: of(&self.values)?, sigma: self.sigma })
     }
 
     fn in_sigmas(&self) -> Vec<f64> {

@@ -188,27 +188,16 @@ impl Grading {
         }
     }
 
-    /// Returns the same grading for some of the points at which it has values.
-    pub(crate) fn of(&self, points: &[u32]) -> Grading {
-        match self {
-            Grading::Field(lengths) => Grading::Field(lengths.of(points)),
-            Grading::Kernel { sigma_n, signals } => {
-                Grading::Kernel { sigma_n: *sigma_n, signals: signals.iter().map(|signal| signal.of(points)).collect() }
-            }
-            other => other.clone(),
-        }
-    }
-
-    /// Returns the same grading for some of `all` points, at which values may be given.
+    /// Returns the same grading with the values that `of` makes of its own, which belong to the given setting.
     ///
     /// # Errors
-    /// [`Error::Option`] unless as many are given as there are points.
-    pub(crate) fn picked(&self, points: &[u32], all: usize) -> Result<Grading> {
+    /// Those of `of`.
+    pub(crate) fn with_values(&self, of: impl Fn(Setting, &Values) -> Result<Values>) -> Result<Grading> {
         Ok(match self {
-            Grading::Field(lengths) => Grading::Field(lengths.picked(Setting::Field, points, all)?),
+            Grading::Field(lengths) => Grading::Field(of(Setting::Field, lengths)?),
             Grading::Kernel { sigma_n, signals } => {
-                let signals: Result<Vec<Signal>> = signals.iter().map(|signal| signal.picked(points, all)).collect();
-                Grading::Kernel { sigma_n: *sigma_n, signals: signals? }
+                let changed = |signal: &Signal| signal.with_values(|values| of(Setting::Signals, values));
+                Grading::Kernel { sigma_n: *sigma_n, signals: signals.iter().map(changed).collect::<Result<_>>()? }
             }
             other => other.clone(),
         })

@@ -6,6 +6,7 @@ use crate::geom::aabb::Aabb;
 use crate::mesh::attributes::Attributes;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::values::refuse_name;
 
 /// Part of the input that is remeshed: the triangles with all three corners in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,9 @@ pub enum Selection {
         value: Option<f64>,
     },
 }
+
+/// What holds wherever a selection is used.
+const LOOKED_UP: &str = "the attribute was looked up before";
 
 /// Refuses a box whose lowest x, y and z are not below its highest.
 pub(super) fn check_box(Aabb { lo, hi }: Aabb) -> Result<()> {
@@ -75,10 +79,7 @@ impl Selection {
                 let cause = format!("{cause} given for the {vertices} vertices of the input");
                 self.refuse(cause, "give one mark for each vertex")
             }
-            Selection::Marked { attribute, .. } => self.refuse(
-                format!("the attribute {attribute} was not looked up"),
-                "look it up, or give one mark for each vertex",
-            ),
+            Selection::Marked { attribute, .. } => refuse_name(self.setting(), attribute, "mark"),
             _ => Ok(()),
         }
     }
@@ -91,7 +92,7 @@ impl Selection {
                 repaired.positions.iter().map(|p| part.contains(*p)).collect()
             }
             Selection::Vertices(selected) => repaired.provenance().marks(selected),
-            Selection::Marked { .. } => vec![false; repaired.positions.len()],
+            Selection::Marked { .. } => unreachable!("{LOOKED_UP}"),
         };
         repaired.triangles.iter().map(|t| t.iter().all(|&v| inside[v as usize])).collect()
     }
@@ -110,10 +111,7 @@ impl Selection {
                 let cause = format!("no triangle has all its corners selected: {count} of {all} vertices are");
                 self.refuse(cause, "select more of them")
             }
-            Selection::Marked { attribute, .. } => self.refuse(
-                format!("the attribute {attribute} was not looked up"),
-                "look it up, or give one mark for each vertex",
-            ),
+            Selection::Marked { .. } => unreachable!("{LOOKED_UP}"),
         }
     }
 }

@@ -18,7 +18,7 @@ impl Values {
     ///
     /// # Errors
     /// [`Error::Mesh`] for an attribute that does not exist.
-    pub fn resolved(&self, attributes: &Attributes) -> Result<Values> {
+    pub(crate) fn resolved(&self, attributes: &Attributes) -> Result<Values> {
         match self {
             Values::Given(values) => Ok(Values::Given(values.clone())),
             Values::Attribute(name) => attributes.numbers(name).map(Values::Given),
@@ -26,7 +26,7 @@ impl Values {
     }
 
     /// Returns the values of some of the points.
-    pub(super) fn of(&self, points: &[u32]) -> Values {
+    pub(crate) fn of(&self, points: &[u32]) -> Values {
         match self {
             Values::Given(values) => Values::Given(points.iter().map(|&p| values[p as usize]).collect()),
             named => named.clone(),
@@ -37,7 +37,7 @@ impl Values {
     ///
     /// # Errors
     /// [`Error::Option`] unless as many are given as there are points.
-    pub(super) fn picked(&self, option: Setting, points: &[u32], all: usize) -> Result<Values> {
+    pub(crate) fn picked(&self, option: Setting, points: &[u32], all: usize) -> Result<Values> {
         if self.given().is_some() {
             self.check(option, all)?;
         }
@@ -62,10 +62,13 @@ impl Values {
                 let cause = format!("{values} given for the {vertices} vertices of the input");
                 refuse(cause, "give one value for each vertex")
             }
-            Values::Attribute(name) => refuse(
-                format!("the attribute {name} was not looked up"),
-                "look it up, or give one value for each vertex",
-            ),
+            Values::Attribute(name) => refuse_name(option, name, "value"),
         }
     }
+}
+
+/// Refuses the name of an attribute where each vertex must have one `item`.
+pub(super) fn refuse_name(option: Setting, name: &str, item: &str) -> Result<()> {
+    let cause = format!("the attribute {name} was not looked up");
+    Err(Error::Option { option, cause, remedy: format!("look it up, or give one {item} for each vertex") })
 }

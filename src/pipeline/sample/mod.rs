@@ -125,7 +125,8 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
         cloud => cloud?,
     };
     monitor.stage("sample");
-    let signals: Vec<Signal> = options.signals.iter().map(|signal| signal.of(&cloud.source)).collect();
+    let at_source = |signal: &Signal| signal.with_values(|values| Ok(values.of(&cloud.source)));
+    let signals: Vec<Signal> = options.signals.iter().map(at_source).collect::<Result<_>>()?;
     let features = KernelFeatures::of_points(options.sigma_n, &signals);
     let (first_sigma, wanted) = first_sigma(options.density, cloud.area(), &unit);
     let task = Task { features: &features, first_sigma, wanted, options, monitor };
