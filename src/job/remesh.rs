@@ -179,7 +179,7 @@ fn finished(
         shortcomings: remeshed.shortcomings(coverage.as_ref()),
         origins,
         triangle_origins,
-        of_points: surface.of_points.clone(),
+        of_points: surface.cloud.as_ref().map(|cloud| cloud.mesh.clone()),
         attributes: carried.attributes,
         notes: remeshed.notes,
         mesh: remeshed.mesh,
@@ -204,18 +204,19 @@ pub fn quality(mesh: &Input, against: Option<&Input>) -> Result<Report> {
 /// The surface that is remeshed: the input, or the mesh through its points.
 struct Surface<'a> {
     input: &'a Mesh,
-    /// The mesh through its points, if it has no triangles.
-    of_points: Option<Arc<Mesh>>,
     attributes: Cow<'a, Attributes>,
     /// The options, with values of attributes given at the vertices of the mesh.
     options: Options,
-    /// For each vertex, the point of the input that it is, if the input has no triangles.
-    points: Option<Vec<u32>>,
+    /// The points of the input, if it has no triangles.
     cloud: Option<Cloud>,
 }
 
-/// What is known about an input of points.
+/// An input of points.
 struct Cloud {
+    /// The mesh through the points.
+    mesh: Arc<Mesh>,
+    /// For each vertex of the mesh, the point of the input that it is.
+    points: Vec<u32>,
     summary: CloudSummary,
     /// Positions of the points that the surface should pass through.
     positions: Vec<DVec3>,
@@ -230,7 +231,7 @@ impl<'a> Surface<'a> {
         let resolved = resolved(&options.surface, input)?;
         if !input.is_cloud() {
             let (input, attributes) = (input.as_mesh(), Cow::Borrowed(input.attributes()));
-            return Ok(Surface { input, of_points: None, attributes, options: resolved, points: None, cloud: None });
+            return Ok(Surface { input, attributes, options: resolved, cloud: None });
         }
         // The points inside a box are the input by now.
         if let Some(part) = options.surface.part.as_ref().filter(|part| !matches!(part, Selection::Box(..))) {
@@ -254,10 +255,10 @@ impl<'a> Surface<'a> {
         Ok(Surface {
             attributes: Cow::Owned(input.attributes().of_vertices(&made.source)),
             input: input.as_mesh(),
-            of_points: Some(Arc::new(made.mesh)),
             options: Options { grading, smooth, of_points: true, part: None, features, ..resolved },
-            points: Some(input.numbers(made.source)),
             cloud: Some(Cloud {
+                mesh: Arc::new(made.mesh),
+                points: input.numbers(made.source),
                 summary: made.summary,
                 positions,
                 spacing: made.spacing,
@@ -267,18 +268,18 @@ impl<'a> Surface<'a> {
     }
 
     fn mesh(&self) -> &Mesh {
-        self.of_points.as_deref().unwrap_or(self.input)
+        self.cloud.as_ref().map_or(self.input, |cloud| &cloud.mesh)
     }
 
     /// Returns where on the input the vertices of a result lie, and the triangle of the input below each of its triangles.
     fn origins(&self, of_result: &Origins) -> (Vec<Origin>, Vec<u32>) {
         let on_mesh = |point| Origin::on_mesh(point, &self.mesh().triangles);
-        let on_input = |origin: Origin| match &self.points {
-            Some(points) => origin.between_points(points),
+        let on_input = |origin: Origin| match &self.cloud {
+            Some(cloud) => origin.between_points(&cloud.points),
             None => origin,
         };
         let triangles = of_result.triangles.iter().map(|point| point.triangle);
-        let triangles = if self.points.is_none() { triangles.collect() } else { Vec::new() };
+        let triangles = if self.cloud.is_none() { triangles.collect() } else { Vec::new() };
         (of_result.vertices.iter().map(on_mesh).map(on_input).collect(), triangles)
     }
 }
