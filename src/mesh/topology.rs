@@ -118,11 +118,16 @@ pub fn topology_of_manifold(triangles: &[[u32; 3]], component: &[u32], twin: &[u
         edges,
         faces: triangles.len(),
         euler: vertices as i64 - edges as i64 + triangles.len() as i64,
-        components: component.iter().max().map_or(0, |&last| last as usize + 1),
+        components: component_count(component),
         // Each boundary vertex of a manifold is the start of one boundary edge.
         boundary_loops: starts.iter().filter(|&&v| boundary.find(v) == v).count(),
         ..Topology::default()
     }
+}
+
+/// Returns the number of components, given that of each vertex.
+pub fn component_count(component: &[u32]) -> usize {
+    component.iter().max().map_or(0, |&last| last as usize + 1)
 }
 
 /// Returns the component of each vertex, numbered in the order of their first vertices; unused vertices are components, too.

@@ -2,6 +2,7 @@
 
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
+use crate::mesh::topology::component_count;
 use glam::DVec3;
 
 /// Number of triangles that one task processes.
@@ -64,6 +65,11 @@ impl Mesh {
         (b - a).cross(c - a)
     }
 
+    /// The area of triangle `t`.
+    pub fn triangle_area(&self, t: usize) -> f64 {
+        0.5 * self.area_vector(t).length()
+    }
+
     /// Returns for each vertex the sum of the area vectors of its triangles: a normal that is not of unit length.
     pub fn vertex_area_vectors(&self) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.positions.len()];
@@ -75,7 +81,16 @@ impl Mesh {
 
     /// The total area of all triangles.
     pub fn area(&self) -> f64 {
-        self.sum_over_triangles(|t| 0.5 * self.area_vector(t).length())
+        self.sum_over_triangles(|t| self.triangle_area(t))
+    }
+
+    /// Returns the area of each component; `component` holds the component of each vertex.
+    pub fn component_areas(&self, component: &[u32]) -> Vec<f64> {
+        let mut areas = vec![0.0; component_count(component)];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            areas[component[corners[0] as usize] as usize] += self.triangle_area(t);
+        }
+        areas
     }
 
     /// Returns the sum of `of` over all triangles, which is the same with any number of threads.

@@ -1,7 +1,6 @@
 //! Points spread evenly over a mesh by area.
 
 use crate::base::rng::{Random, unit};
-use crate::geom::triangle;
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
@@ -14,8 +13,7 @@ pub fn by_area(mesh: &Mesh, count: usize, rng: &mut Random) -> Vec<DVec3> {
     if mesh.triangles.is_empty() {
         return Vec::new();
     }
-    let triangles = 0..mesh.triangles.len();
-    let mut shares: Vec<f64> = triangles.map(|t| triangle::area(mesh.corners(t))).collect();
+    let mut shares: Vec<f64> = (0..mesh.triangles.len()).map(|t| mesh.triangle_area(t)).collect();
     if shares.iter().sum::<f64>() <= 0.0 {
         shares.fill(1.0);
     }

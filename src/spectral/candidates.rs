@@ -72,7 +72,7 @@ fn in_triangle(domain: &Domain, t: u32, part: u32, density: f64, seed: u64) -> i
     let sizes = domain.mesh.triangles[t as usize].map(|v| domain.size_at(v));
     let smallest = sizes.into_iter().fold(f64::INFINITY, f64::min);
     let is_even = sizes == [smallest; 3];
-    let area = 0.5 * domain.mesh.area_vector(t as usize).length() / math::square(smallest);
+    let area = domain.mesh.triangle_area(t as usize) / math::square(smallest);
     let count = (density * area + units(Stage::Counts, 0)[0]) as u64;
     let stays = move |candidate: &Candidate, k: u64| {
         let share = math::square(smallest / candidate.sample(domain).size);

@@ -228,7 +228,7 @@ impl Patches {
         let mut list: BTreeMap<u32, Patch> = BTreeMap::new();
         for t in 0..mesh.triangles.len() as u32 {
             let patch = list.entry(of_triangle.find(t)).or_default();
-            patch.area += 0.5 * mesh.area_vector(t as usize).length();
+            patch.area += mesh.triangle_area(t as usize);
             for side in (3 * t..3 * t + 3).filter(|&s| sharp[s as usize] || twin[s as usize] == NONE) {
                 let [a, b] = mesh.segment(side);
                 let length = a.distance(b);

@@ -9,7 +9,7 @@
 //! Cost: linear in the triangles. The centres of the balls that are examined lie a certain share of a spacing apart.
 
 use crate::base::parallel;
-use crate::geom::triangle::{angles, area};
+use crate::geom::triangle::angles;
 use crate::mesh::half_edge::next;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
@@ -157,7 +157,7 @@ impl Surface<'_> {
         let mut moment = DVec3::ZERO;
         let mut mass = 0.0;
         for &t in triangles {
-            let area = area(self.mesh.corners(t as usize));
+            let area = self.mesh.triangle_area(t as usize);
             moment += area * self.mesh.centroid(t as usize);
             mass += area;
         }

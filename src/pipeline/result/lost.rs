@@ -8,7 +8,7 @@
 
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::Origins;
-use crate::mesh::topology::NONE;
+use crate::mesh::topology::{NONE, component_count};
 use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 
@@ -64,7 +64,7 @@ impl Components {
     /// Collects the components of `input`, which became `repaired`; `number` holds the component of each vertex of the
     /// latter.
     pub(in crate::pipeline) fn new(input: &Mesh, repaired: &OrientedManifold, number: &[u32]) -> Components {
-        let mut list = vec![Component::default(); number.iter().max().map_or(0, |&last| last as usize + 1)];
+        let mut list = vec![Component::default(); component_count(number)];
         let mut of_triangle = vec![NONE; input.triangles.len()];
         for (t, corners) in (0..).zip(&repaired.triangles) {
             let source = repaired.provenance().triangle(t) as usize;
@@ -74,7 +74,7 @@ impl Components {
                 component.place = input.centroid(source);
             }
             component.triangles += 1;
-            component.area += 0.5 * input.area_vector(source).length();
+            component.area += input.triangle_area(source);
         }
         Components { of_triangle, list }
     }
@@ -87,7 +87,7 @@ impl Components {
             let source = origins.vertices[corners[0] as usize].triangle as usize;
             if let Some(left) = all_left.get_mut(self.of_triangle[source] as usize) {
                 left.triangles += 1;
-                left.area += 0.5 * result.area_vector(t).length();
+                left.area += result.triangle_area(t);
             }
         }
         let whole: f64 = self.list.iter().map(|c| c.area).sum();

@@ -48,8 +48,7 @@ impl Patches<'_> {
         let mut relative_area = vec![0.0; domain.mesh.positions.len()];
         for (t, corners) in (0u32..).zip(&domain.mesh.triangles) {
             let size = corners.iter().map(|&v| domain.size_at(v)).sum::<f64>() / 3.0;
-            let area = 0.5 * domain.mesh.area_vector(t as usize).length();
-            relative_area[domain.patch_of(t) as usize] += area / math::square(size);
+            relative_area[domain.patch_of(t) as usize] += domain.mesh.triangle_area(t as usize) / math::square(size);
         }
         Patches { domain, relative_area }
     }

@@ -26,7 +26,6 @@ const NARROW: f64 = 0.2;
 const ALONG: f64 = 0.5;
 
 /// Size of a component.
-#[derive(Clone)]
 struct Size {
     area: f64,
     bounds: Aabb,
@@ -50,12 +49,11 @@ impl Size {
 pub(in crate::pipeline) fn without_flakes(surface: &OrientedManifold, spacing: f64) -> Option<OrientedManifold> {
     let component = components(surface.positions.len(), &surface.triangles);
     let of = |corners: &[u32; 3]| component[corners[0] as usize] as usize;
-    let none = Size { area: 0.0, bounds: Aabb::EMPTY };
-    let mut sizes = vec![none; component.iter().max().map_or(0, |&last| last as usize + 1)];
+    let areas = surface.component_areas(&component).into_iter();
+    let mut sizes: Vec<Size> = areas.map(|area| Size { area, bounds: Aabb::EMPTY }).collect();
     for (t, corners) in surface.triangles.iter().enumerate() {
-        let size = &mut sizes[of(corners)];
-        size.area += 0.5 * surface.area_vector(t).length();
-        size.bounds = size.bounds.join(&Aabb::of_triangle(surface.corners(t)));
+        let bounds = &mut sizes[of(corners)].bounds;
+        *bounds = bounds.join(&Aabb::of_triangle(surface.corners(t)));
     }
     let is_narrow: Vec<bool> = sizes.iter().map(|size| size.is_narrow(spacing)).collect();
     let hanging = lengths_in_common(surface, &component, &is_narrow);

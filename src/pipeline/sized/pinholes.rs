@@ -91,10 +91,7 @@ fn short_rims(mesh: &Mesh, most: f64) -> Vec<Rim> {
 /// Removes rims around whole components: those whose component has less area than a square with a side as long as the rim.
 fn without_outlines(mesh: &Mesh, rims: &mut Vec<Rim>) {
     let component = components(mesh.positions.len(), &mesh.triangles);
-    let mut areas = vec![0.0; component.iter().max().map_or(0, |&last| last as usize + 1)];
-    for (t, corners) in mesh.triangles.iter().enumerate() {
-        areas[component[corners[0] as usize] as usize] += 0.5 * mesh.area_vector(t).length();
-    }
+    let areas = mesh.component_areas(&component);
     rims.retain(|rim| areas[component[mesh.origin(rim.sides[0]) as usize] as usize] > rim.length * rim.length);
 }
 

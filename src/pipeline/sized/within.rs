@@ -85,11 +85,8 @@ impl Within {
     fn leave_small_components(&mut self, spacing: f64) {
         let mesh = &self.part.mesh;
         let component = components(mesh.positions.len(), &mesh.triangles);
-        let mut area = vec![0.0; mesh.positions.len()];
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            area[component[corners[0] as usize] as usize] += 0.5 * mesh.area_vector(t).length();
-        }
-        let mut is_small = vec![false; mesh.positions.len()];
+        let area = mesh.component_areas(&component);
+        let mut is_small = vec![false; area.len()];
         for ends in &self.part.interface {
             let component = component[ends[0] as usize] as usize;
             is_small[component] = area[component] < 0.75f64.sqrt() * spacing * spacing;

@@ -12,7 +12,7 @@ use crate::mesh::half_edge::next;
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::provenance::{PointOnTriangle, Provenance};
-use crate::mesh::topology::{NONE, components, twins};
+use crate::mesh::topology::{NONE, component_count, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::groups::Groups;
@@ -114,8 +114,7 @@ impl Domain {
         );
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
-        let count = patch.iter().max().map_or(0, |&last| last as usize + 1);
-        let patches = Groups::new((&mesh, &bvh), count, |t| patch[mesh.origin(3 * t) as usize]);
+        let patches = Groups::new((&mesh, &bvh), component_count(&patch), |t| patch[mesh.origin(3 * t) as usize]);
         let (sizes, passing) = (Vec::new(), PassingFaces::new(&mesh));
         Domain {
             mesh,
@@ -247,7 +246,7 @@ impl Domain {
         for t in 0..self.mesh.triangles.len() {
             let corners = self.mesh.corners(t);
             let (area, length) = &mut sums[self.patch_of(t as u32) as usize];
-            *area += 0.5 * self.mesh.area_vector(t).length();
+            *area += self.mesh.triangle_area(t);
             let open = (0..3).filter(|&k| self.twin[3 * t + k] == NONE);
             *length += open.map(|k| corners[k].distance(corners[(k + 1) % 3])).sum::<f64>();
         }
