@@ -137,7 +137,7 @@ fn remesh_each(
 
 /// Returns the share of the time after which each of the densities is done.
 fn shares(densities: &[Density]) -> Vec<f64> {
-    let size = |density: &Density| if let Density::Points(n) = density { *n as f64 } else { 1.0 };
+    let size = |density: &Density| density.points().map_or(1.0, |n| n as f64);
     let whole: f64 = densities.iter().map(size).sum();
     (1..=densities.len()).map(|i| densities[..i].iter().map(size).sum::<f64>() / whole).collect()
 }

@@ -3,7 +3,7 @@
 use crate::base::error::{Result, Setting};
 use crate::job::input::Input;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::pipeline::{Density, Grading, Options, SampleDensity, SampleOptions, Selection, Signal, Values};
+use crate::pipeline::{Grading, Options, SampleOptions, Selection, Signal, Values};
 use crate::prepare::thin::{Seen, Thinned, Thinner, Wanted};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -26,11 +26,8 @@ pub fn wanted_for_remeshing(options: &Options) -> Wanted {
 
 /// Returns which points of a cloud are wanted for sampling it, like [`wanted_for_remeshing`].
 pub fn wanted_for_sampling(options: &SampleOptions) -> Wanted {
-    let points = match options.density {
-        SampleDensity::Points(points) if !has_given(&options.signals) => Some(for_points(points)),
-        _ => None,
-    };
-    Wanted { points, within: options.bounds() }
+    let points = options.density.points().filter(|_| !has_given(&options.signals));
+    Wanted { points: points.map(for_points), within: options.bounds() }
 }
 
 fn of_use_for_remeshing(options: &Options) -> Option<usize> {
@@ -39,10 +36,7 @@ fn of_use_for_remeshing(options: &Options) -> Option<usize> {
         Grading::Kernel { signals, .. } => has_given(signals),
         Grading::Even | Grading::Curvature(_) => false,
     };
-    match options.density {
-        Density::Points(points) if !is_given && options.max_error.is_none() => Some(for_points(points)),
-        _ => None,
-    }
+    options.density.points().filter(|_| !is_given && options.max_error.is_none()).map(for_points)
 }
 
 fn has_given(signals: &[Signal]) -> bool {

@@ -17,6 +17,21 @@ pub enum Density {
     Auto,
 }
 
+impl Density {
+    /// Returns the number of vertices, if it is given.
+    pub fn points(self) -> Option<usize> {
+        match self {
+            Density::Points(n) => Some(n),
+            _ => None,
+        }
+    }
+
+    /// Returns whether it determines the number of vertices, and this the edge lengths, instead of the other way round.
+    pub(super) fn fixes_count(self) -> bool {
+        matches!(self, Density::Points(_) | Density::Auto)
+    }
+}
+
 impl From<SampleDensity> for Density {
     fn from(density: SampleDensity) -> Density {
         match density {
@@ -36,6 +51,13 @@ pub enum SampleDensity {
     EdgeLength(f64),
     /// The kernel width σp, in the units of the input.
     SigmaP(f64),
+}
+
+impl SampleDensity {
+    /// Returns the number of samples, if it is given.
+    pub fn points(self) -> Option<usize> {
+        Density::from(self).points()
+    }
 }
 
 /// Minimum number of vertices: those of a triangle.

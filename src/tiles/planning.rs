@@ -10,7 +10,7 @@ use crate::io::opened::Opened;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
-    NormalNeighborhood, SMOOTHING_SUPPORT, SampleDensity, SampleOptions, Survey, TileOptions, count_in_tile,
+    NormalNeighborhood, SMOOTHING_SUPPORT, SampleOptions, Survey, TileOptions, count_in_tile,
     has_sharp_edges, survey, volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
@@ -92,7 +92,7 @@ pub fn make_plan(
         input: name,
         points: sorted.inside,
         notes: sorted.notes(),
-        wanted: wanted_samples(*density),
+        wanted: density.points(),
         is_thick,
         sampling,
         tiles: vec![],
@@ -145,17 +145,9 @@ fn refuse_impossible(options: &SampleOptions) -> Result<()> {
     Ok(())
 }
 
-/// Returns the number of samples that are wanted, if that is given.
-fn wanted_samples(density: SampleDensity) -> Option<usize> {
-    match density {
-        SampleDensity::Points(wanted) => Some(wanted),
-        _ => None,
-    }
-}
-
 /// Returns which points of a file are wanted: of one with levels of detail, the coarser ones suffice.
 fn wanted(sample: &SampleOptions) -> Wanted {
-    Wanted { points: wanted_samples(sample.density).map(|samples| OF_SAMPLE * samples), within: sample.bounds() }
+    Wanted { points: sample.density.points().map(|samples| OF_SAMPLE * samples), within: sample.bounds() }
 }
 
 /// Returns some points of a file, spread over all that are wanted.

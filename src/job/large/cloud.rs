@@ -7,7 +7,7 @@ use crate::io::dense::PointFile;
 use crate::job::large::LargeFile;
 use crate::job::large::workspace::Workspace;
 use crate::job::{Carry, Outcome, RemeshOptions};
-use crate::pipeline::{Density, Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled, Selection};
+use crate::pipeline::{Grading, MOST_OF_BASE, SampleDensity, SampleOptions, Sampled, Selection};
 use crate::surface::features::Features;
 use crate::tiles::{
     PlanOptions, TileFolder, can_plan, make_plan, merge, merge_mesh, mesh_pieces, nearest_attributes, sample_tiles,
@@ -55,12 +55,14 @@ pub fn remesh_in_pieces(
     format: Option<Format>,
     monitor: &dyn Monitor,
 ) -> Result<Option<Outcome>> {
-    let can_be = |sample: &SampleOptions| is_dense(file, sample) && can_plan(file.path, file.format, sample);
-    let Some(sample) = in_pieces(options, file.out_of_core.memory()).filter(can_be) else { return Ok(None) };
+    let Some(wanted) = options.surface.density.points() else { return Ok(None) };
+    let fewest = POINTS_PER_VERTEX * wanted as u64;
+    let can_be = |sample: &SampleOptions| points(file) >= fewest && can_plan(file.path, file.format, sample);
+    let Some(sample) = in_pieces(options, wanted, file.out_of_core.memory()).filter(can_be) else { return Ok(None) };
     let sharp_edges = options.surface.features != Features::Smooth;
     let (workspace, folder) = planned(file, &sample, sharp_edges, BYTES_OF_SAMPLE + BYTES_OF_VERTEX, monitor)?;
     let plan = folder.plan()?;
-    if plan.is_thick || (plan.points as u64) < POINTS_PER_VERTEX * wanted(&sample) {
+    if plan.is_thick || (plan.points as u64) < fewest {
         workspace.clear();
         return Ok(None);
     }
@@ -99,16 +101,15 @@ pub fn merge_pieces(
     Ok(Outcome::of_pieces(mesh, carried, plan.wanted, plan.notes))
 }
 
-/// Returns whether a cloud has enough points for pieces of a mesh.
-fn is_dense(file: &LargeFile, sample: &SampleOptions) -> bool {
-    let points = PointFile::open(file.path, file.format).ok().flatten().map_or(0, |file| file.table.points);
-    points as u64 >= POINTS_PER_VERTEX * wanted(sample)
+/// Returns the number of points of a cloud, 0 for other files.
+fn points(file: &LargeFile) -> u64 {
+    PointFile::open(file.path, file.format).ok().flatten().map_or(0, |file| file.table.points as u64)
 }
 
-/// Returns how to sample for a mesh that is too large for the memory; `None` if pieces cannot be what the options ask for.
-fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
+/// Returns how to sample for a mesh of `wanted` vertices that is too large for the memory; `None` if pieces cannot be what the
+/// options ask for.
+fn in_pieces(options: &RemeshOptions, wanted: usize, memory: u64) -> Option<SampleOptions> {
     let (surface, cloud) = (&options.surface, &options.cloud);
-    let Density::Points(wanted) = surface.density else { return None };
     let is_plain = surface.grading == Grading::Even
         && matches!(surface.features, Features::Automatic | Features::Smooth)
         && !matches!(surface.part, Some(Selection::Vertices(_) | Selection::Marked { .. }))
@@ -131,15 +132,7 @@ fn in_pieces(options: &RemeshOptions, memory: u64) -> Option<SampleOptions> {
     })
 }
 
-/// Returns the wanted number of samples, 0 if it is unknown.
-fn wanted(sample: &SampleOptions) -> u64 {
-    match sample.density {
-        SampleDensity::Points(wanted) => wanted as u64,
-        _ => 0,
-    }
-}
-
-/// Plans the tiles of a job in a workspace. Its files take `bytes_per_sample` for each sample.
+/// Plans the tiles of a job in a workspace. Its files take `bytes_per_sample` for each sample, as far as their number is known.
 fn planned(
     file: &LargeFile,
     sample: &SampleOptions,
@@ -152,8 +145,8 @@ fn planned(
     let folder = workspace.folder()?;
     let is_begun = file.out_of_core.resume && folder.is_of(file.path, &options);
     if !is_begun {
-        let bytes = file.bytes();
-        workspace.announce(bytes + bytes / 4 + bytes_per_sample * wanted(sample), monitor);
+        let (bytes, samples) = (file.bytes(), sample.density.points().unwrap_or(0) as u64);
+        workspace.announce(bytes + bytes / 4 + bytes_per_sample * samples, monitor);
         make_plan(file.path, file.format, &folder, &options, monitor)?;
         folder.note(file.path, &options)?;
     }

@@ -2,7 +2,7 @@
 
 use crate::base::error::{Error, Result, Setting};
 use crate::io::large::Extent;
-use crate::pipeline::{Density, Grading, Options, Values, coarseness_for, spacing_on};
+use crate::pipeline::{Grading, Options, Values, coarseness_for, spacing_on};
 use crate::prepare::coarsen::Coarseness;
 
 /// Number of vertices left per area of one shortest length squared, measured on two models.
@@ -24,7 +24,7 @@ const TIMES_FINER: u64 = 100;
 /// Returns whether a mesh of this many faces is so much finer than the result that it may become coarser while it is read.
 pub fn is_far_finer(faces: u64, options: &Options) -> bool {
     // A triangle mesh has about twice as many faces as vertices.
-    matches!(options.density, Density::Points(points) if faces >= MANY.max(2 * TIMES_FINER * points as u64))
+    options.density.points().is_some_and(|points| faces >= MANY.max(2 * TIMES_FINER * points as u64))
 }
 
 /// Refuses options that need all of the input.

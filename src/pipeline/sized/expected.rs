@@ -24,7 +24,7 @@ pub(in crate::pipeline) fn with_curves(domain: &Domain, scale: Scale, density: D
         return scale;
     }
     let patches = Patches::new(domain);
-    if !matches!(density, Density::Points(_) | Density::Auto) {
+    if !density.fixes_count() {
         return Scale { wanted: patches.vertices(scale).round() as usize, ..scale };
     }
     let (mut least, mut most) = (scale.spacing / LARGEST_FACTOR, scale.spacing * LARGEST_FACTOR);

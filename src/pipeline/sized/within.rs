@@ -107,7 +107,7 @@ impl Within {
         let on_interface = self.part.interface_vertices();
         let wanted: Vec<f64> =
             (0..domain.mesh.positions.len() as u32).map(|v| scale.spacing * domain.size_at(v)).collect();
-        let count = matches!(density, Density::Points(_) | Density::Auto).then_some(scale.wanted);
+        let count = density.fixes_count().then_some(scale.wanted);
         let lengths = lengths_from_interface(domain, &wanted, count.map(|n| n as f64 + 0.5 * on_interface as f64));
         let inside = count.unwrap_or_else(|| (vertices(domain, &lengths) - 0.5 * on_interface as f64).round() as usize);
         let spacing = mean_density(&domain.mesh, &lengths).sqrt().recip();
