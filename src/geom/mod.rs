@@ -4,6 +4,7 @@ pub mod aabb;
 pub mod crossing_segment;
 pub mod eigen;
 pub mod intersection;
+pub mod packing;
 pub mod polygon;
 pub mod symmetric;
 pub mod triangle;

@@ -1,6 +1,7 @@
 //! Number and spacing of vertices for a density or a field of lengths.
 
 use crate::base::error::{Error, Fault, Result, Setting};
+use crate::geom::packing::{count_on, spacing_of};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::density::{Density, FIRST_POINTS, check_count};
 use crate::pipeline::unit::Unit;
@@ -61,9 +62,9 @@ impl Field {
     }
 }
 
-/// Number of vertices at distance `spacing` that cover `area` at hexagonal packing: √3 / 2 d² each.
+/// Number of vertices at distance `spacing` that cover `area`.
 fn count(area: f64, spacing: f64) -> usize {
-    (2.0 * area / (3f64.sqrt() * spacing * spacing)).round() as usize
+    count_on(area, spacing).round() as usize
 }
 
 /// Returns the mean spacing that a density implies on `area`, in the units of the input; `None` if lengths or an error bound
@@ -141,7 +142,7 @@ impl Scale {
 
     /// Scale of `wanted` vertices on `area`.
     pub(super) fn of_points(wanted: usize, area: f64) -> Scale {
-        Scale { wanted, spacing: (2.0 * area / (3f64.sqrt() * wanted as f64)).sqrt() }
+        Scale { wanted, spacing: spacing_of(wanted as f64, area) }
     }
 
     /// Number of samples that a kernel of width `sigma` leaves on `area`.

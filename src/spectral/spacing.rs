@@ -10,6 +10,7 @@
 
 use crate::base::math;
 use crate::base::parallel;
+use crate::geom::packing::spacing_of;
 use crate::spatial::kdtree::Neighbors;
 use crate::spectral::candidates::Candidate;
 use crate::surface::domain::{Domain, Sample};
@@ -34,8 +35,9 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
     let mut counts = vec![0.0; samples.len()];
     nearest.into_iter().flatten().for_each(|i| counts[i] += 1.0);
     let mean_area = domain.mesh.area() / candidates.len() as f64;
-    let logarithms: Vec<f64> = counts.iter().map(|&n| math::ln(length_of(mean_area * f64::max(n, 1.0)))).collect();
-    let otherwise = math::ln(length_of(domain.mesh.area() / samples.len().max(1) as f64));
+    let logarithms: Vec<f64> =
+        counts.iter().map(|&n| math::ln(spacing_of(1.0, mean_area * f64::max(n, 1.0)))).collect();
+    let otherwise = math::ln(spacing_of(1.0, domain.mesh.area() / samples.len().max(1) as f64));
     let at_vertex = |v: u32| {
         let position = domain.mesh.positions[v as usize];
         let sample = Sample { position, normal: domain.vertex_normal(v), triangle: 0, size: 1.0 };
@@ -44,11 +46,6 @@ pub fn spacings(domain: &Domain, candidates: &[Candidate], samples: &[Sample], s
         math::exp(mean)
     };
     parallel::map(0..domain.mesh.positions.len() as u32, at_vertex)
-}
-
-/// Returns the distance of neighbours at hexagonal packing if each has this area.
-fn length_of(area: f64) -> f64 {
-    (2.0 * area / 3f64.sqrt()).sqrt()
 }
 
 #[cfg(test)]

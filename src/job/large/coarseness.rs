@@ -1,6 +1,7 @@
 //! Determines how coarse a mesh larger than memory may become while it is read for a job.
 
 use crate::base::error::{Error, Result, Setting};
+use crate::geom::packing::count_on;
 use crate::io::large::Extent;
 use crate::pipeline::{Grading, Options, Values, coarseness_for, spacing_on};
 use crate::prepare::coarsen::Coarseness;
@@ -57,7 +58,7 @@ pub fn coarseness_within(memory: u64, extent: Extent, options: &Options) -> Resu
     refuse_coarser(options)?;
     let spacing = spacing_on(extent.area, options.density).unwrap_or(f64::INFINITY);
     let of_use = coarseness_for(spacing);
-    let result = 2.0 * extent.area / (3f64.sqrt() * spacing * spacing);
+    let result = count_on(extent.area, spacing);
     let left = |shortest: f64| (LEFT * extent.area / (shortest * shortest)).min(extent.vertices as f64);
     let bytes = |longer: f64| OF_RESULT * result + OF_INPUT * left(longer * of_use.shortest);
     let room = memory as f64 - OF_RESULT * result;
