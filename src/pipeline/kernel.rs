@@ -61,6 +61,30 @@ pub(super) fn check_signals(signals: &[Signal], vertices: usize) -> Result<()> {
     signals.iter().try_for_each(|signal| signal.values.check(Setting::Signals, vertices))
 }
 
+/// Number of dimensions of a kernel with signals.
+pub(super) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
+
+/// Evaluates an expression with the constant `$d`: the number of dimensions of the kernel with `$features`.
+macro_rules! with_dimensions {
+    ($features:expr, $d:ident => $value:expr) => {
+        match $features.dimensions() {
+            3 => {
+                const $d: usize = 3;
+                $value
+            }
+            6 => {
+                const $d: usize = 6;
+                $value
+            }
+            _ => {
+                const $d: usize = $crate::pipeline::kernel::MOST_DIMENSIONS;
+                $value
+            }
+        }
+    };
+}
+pub(super) use with_dimensions;
+
 /// Kernel features besides the position, over a domain or over bare points.
 pub(super) struct KernelFeatures<'a> {
     sigma_n: f64,
@@ -81,17 +105,17 @@ impl<'a> KernelFeatures<'a> {
         KernelFeatures { sigma_n, domain: None, signals: signals.iter().map(Signal::in_sigmas).collect() }
     }
 
-    /// Number of dimensions of the kernel: 3, 6, or 6 + [`MOST_SIGNALS`].
+    /// Number of dimensions of the kernel: 3, 6 or [`MOST_DIMENSIONS`].
     pub(super) fn dimensions(&self) -> usize {
         match (self.sigma_n.is_infinite(), self.signals.is_empty()) {
             (true, true) => 3,
             (false, true) => 6,
-            (_, false) => 6 + MOST_SIGNALS,
+            (_, false) => MOST_DIMENSIONS,
         }
     }
 
     /// Returns whether anything besides the position counts.
-    pub(super) fn counts(&self) -> bool {
+    pub(super) fn is_lifted(&self) -> bool {
         self.dimensions() > 3
     }
 

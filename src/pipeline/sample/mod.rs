@@ -15,11 +15,11 @@ use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::pipeline::cloud::prepared;
 use crate::pipeline::density::SampleDensity;
-use crate::pipeline::kernel::{KernelFeatures, Signal, check_signals};
+use crate::pipeline::kernel::{KernelFeatures, Signal, check_signals, with_dimensions};
 use crate::pipeline::prepared::{refuse_bad_numbers, refuse_bad_positions};
 use crate::pipeline::sample::options::SampleOptions;
 use crate::pipeline::sample::sampled::Sampled;
-use crate::pipeline::sample::task::{MOST_DIMENSIONS, Task};
+use crate::pipeline::sample::task::Task;
 use crate::pipeline::scale::{CANDIDATES_PER_POINT, LONGEST_EDGE, SMALLEST_SPACING, Scale, refuse_no_area};
 use crate::pipeline::unit::Unit;
 
@@ -75,11 +75,7 @@ fn sample_surface(
     let wanted = (!matches!(options.density, SampleDensity::SigmaP(_))).then_some(scale.wanted);
     let task = Task { features: &features, first_sigma: scale.sigma(), wanted, options, monitor };
     let candidates = candidates_for(&domain, &features, scale.wanted, options.seed);
-    let (sigma, samples) = match features.dimensions() {
-        3 => task.on_surface::<3>(&domain, &candidates),
-        6 => task.on_surface::<6>(&domain, &candidates),
-        _ => task.on_surface::<MOST_DIMENSIONS>(&domain, &candidates),
-    }?;
+    let (sigma, samples) = with_dimensions!(features, D => task.on_surface::<D>(&domain, &candidates))?;
     let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
     let origins = parallel::map(&samples[..], |sample| domain.origin(sample, 0.0, &input.triangles));
     Ok(Sampled { origins, ..task.sampled(points, None, candidates.len(), unit.size * sigma) })
@@ -162,7 +158,7 @@ fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, moni
 
 /// Draws candidates on `domain` for `wanted` samples.
 fn candidates_for(domain: &Domain, features: &KernelFeatures, wanted: usize, seed: u64) -> Vec<Candidate> {
-    let more = if features.counts() { MORE_CANDIDATES } else { 1 };
+    let more = if features.is_lifted() { MORE_CANDIDATES } else { 1 };
     candidates(domain, more * CANDIDATES_PER_POINT * wanted, seed)
 }
 

@@ -9,7 +9,7 @@ use crate::mesh::attributes::Attributes;
 use crate::mesh::points::Points;
 use crate::pipeline::cloud::Prepared;
 use crate::pipeline::density::check_count;
-use crate::pipeline::kernel::KernelFeatures;
+use crate::pipeline::kernel::{KernelFeatures, with_dimensions};
 use crate::pipeline::sample::bandwidth::find_bandwidth;
 use crate::pipeline::sample::options::SampleOptions;
 use crate::pipeline::sample::progressive::{progressive_order, sample_levels};
@@ -23,16 +23,13 @@ use crate::spectral::scan::{Choices, Given, Kernel, OnDomain, scan_lifted};
 use crate::spectral::subset::thin_or_fill;
 use crate::surface::domain::{Domain, Sample};
 use crate::surface::implicit::Rimls;
-use crate::surface::lift::{Lifted, MOST_SIGNALS, Surface, bare_samples};
+use crate::surface::lift::{Lifted, Surface, bare_samples};
 use crate::surface::submanifold::Submanifold;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Ratio of the kernel width of the ascent to that of the scan.
 pub(in crate::pipeline) const ASCENT_OF_SCAN: f64 = ASCENT_SIGMA / SIGMA_OF_SPACING;
-
-/// Number of dimensions of a kernel with signals.
-pub(in crate::pipeline) const MOST_DIMENSIONS: usize = 6 + MOST_SIGNALS;
 
 /// Sampling parameters that do not depend on what is sampled.
 pub(in crate::pipeline) struct Task<'a> {
@@ -54,11 +51,7 @@ impl Task<'_> {
         numbers: Option<&[u32]>,
         unit: &Unit,
     ) -> Result<Sampled> {
-        let (sigma, kept) = match self.features.dimensions() {
-            3 => self.subset_of::<S, 3>(surface, given),
-            6 => self.subset_of::<S, 6>(surface, given),
-            _ => self.subset_of::<S, MOST_DIMENSIONS>(surface, given),
-        }?;
+        let (sigma, kept) = with_dimensions!(self.features, D => self.subset_of::<S, D>(surface, given))?;
         let indices: Vec<u32> = kept.iter().map(|&i| numbers.map_or(i, |numbers| numbers[i as usize])).collect();
         let pairs = indices.iter().zip(&kept).map(|(&i, &k)| (positions[i as usize], given.samples[k as usize].normal));
         Ok(self.sampled(Points::from_pairs(pairs), Some(indices), given.samples.len(), unit.size * sigma))
@@ -164,11 +157,7 @@ impl Task<'_> {
         check_count(Setting::SigmaP, expected, format!("this width would give {expected} samples"))?;
         let choices = choices_on(&surface, cloud, expected, self.options.seed);
         check(self.monitor)?;
-        let (sigma, samples) = match self.features.dimensions() {
-            3 => self.ascended::<3>(&surface, &choices),
-            6 => self.ascended::<6>(&surface, &choices),
-            _ => self.ascended::<MOST_DIMENSIONS>(&surface, &choices),
-        }?;
+        let (sigma, samples) = with_dimensions!(self.features, D => self.ascended::<D>(&surface, &choices))?;
         let points = Points::from_pairs(samples.iter().map(|s| (unit.outwards_point(s.position), s.normal)));
         Ok(self.sampled(points, None, choices.len(), unit.size * sigma))
     }

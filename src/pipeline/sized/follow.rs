@@ -10,11 +10,10 @@ use crate::base::monitor::Monitor;
 use crate::manifold::Manifold;
 use crate::manifold::vertex_set::VertexSet;
 use crate::pipeline::density::{Density, check_count};
-use crate::pipeline::kernel::KernelFeatures;
+use crate::pipeline::kernel::{KernelFeatures, with_dimensions};
 use crate::pipeline::sample::bandwidth::find_bandwidth;
-use crate::pipeline::sample::task::{ASCENT_OF_SCAN, MOST_DIMENSIONS};
-use crate::pipeline::scale::CANDIDATES_PER_POINT;
-use crate::pipeline::scale::Scale;
+use crate::pipeline::sample::task::ASCENT_OF_SCAN;
+use crate::pipeline::scale::{CANDIDATES_PER_POINT, Scale};
 use crate::spectral::ascent::{AscentParameters, PAPER_STEP, ascend_lifted};
 use crate::spectral::candidates::{Candidate, candidates};
 use crate::spectral::scan::{Choices, OnDomain, scan_lifted};
@@ -66,11 +65,10 @@ fn scan_of(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Sample>> {
     let choices = OnDomain { domain, candidates };
-    let chosen = features.with_kernel(sigma, |kernel| match features.dimensions() {
-        3 => scan_lifted::<3>(&choices, &[], kernel, seed, monitor),
-        6 => scan_lifted::<6>(&choices, &[], kernel, seed, monitor),
-        _ => scan_lifted::<MOST_DIMENSIONS>(&choices, &[], kernel, seed, monitor),
-    })?;
+    let chosen = features.with_kernel(
+        sigma,
+        |kernel| with_dimensions!(features, D => scan_lifted::<D>(&choices, &[], kernel, seed, monitor)),
+    )?;
     Ok(chosen.into_iter().map(|i| choices.sample(i)).collect())
 }
 
@@ -84,9 +82,7 @@ pub(in crate::pipeline) fn ascend_as_asked(
     monitor: &dyn Monitor,
 ) -> Result<()> {
     let ascent = AscentParameters { sigma: ASCENT_OF_SCAN * sigma, step: PAPER_STEP, sweeps };
-    features.with_kernel(sigma, |kernel| match features.dimensions() {
-        3 => ascend_lifted::<3>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
-        6 => ascend_lifted::<6>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
-        _ => ascend_lifted::<MOST_DIMENSIONS>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor),
+    features.with_kernel(sigma, |kernel| {
+        with_dimensions!(features, D => ascend_lifted::<D>(domain, mesh, &VertexSet::EMPTY, kernel.lift, ascent, monitor))
     })
 }
