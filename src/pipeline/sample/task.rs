@@ -62,31 +62,23 @@ impl Task<'_> {
     fn subset_of<S: Surface, const D: usize>(&self, surface: &S, given: &Given) -> Result<(f64, Vec<u32>)> {
         let (sigma, mut kept) = self.kept_of::<S, D>(surface, given)?;
         kept.sort_unstable();
-        let samples: Vec<Sample> = kept.iter().map(|&i| given.samples[i as usize]).collect();
-        let order = self.order::<S, D>(surface, &samples, sigma)?;
-        Ok((sigma, order.map_or(kept.clone(), |order| order.into_iter().map(|i| kept[i as usize]).collect())))
+        Ok((sigma, self.in_order::<S, D, _>(surface, kept, |&i| given.samples[i as usize], sigma)?))
     }
 
-    /// Returns the progressive order of `samples`, if levels are requested.
-    fn order<S: Surface, const D: usize>(
+    /// Returns `items`, each of which stands for a sample, in progressive order if levels are requested, otherwise unchanged.
+    fn in_order<S: Surface, const D: usize, T: Copy>(
         &self,
         surface: &S,
-        samples: &[Sample],
+        items: Vec<T>,
+        sample: impl Fn(&T) -> Sample,
         sigma: f64,
-    ) -> Result<Option<Vec<u32>>> {
-        let order = || progressive_order::<S, D>(surface, self.features, samples, sigma, self.monitor);
-        self.options.levels.map(|_| order()).transpose()
-    }
-
-    /// Returns the samples in progressive order if levels are requested, otherwise unchanged.
-    fn in_order<S: Surface, const D: usize>(
-        &self,
-        surface: &S,
-        samples: Vec<Sample>,
-        sigma: f64,
-    ) -> Result<Vec<Sample>> {
-        let order = self.order::<S, D>(surface, &samples, sigma)?;
-        Ok(order.map_or(samples.clone(), |order| order.into_iter().map(|i| samples[i as usize]).collect()))
+    ) -> Result<Vec<T>> {
+        if self.options.levels.is_none() {
+            return Ok(items);
+        }
+        let samples: Vec<Sample> = items.iter().map(sample).collect();
+        let order = progressive_order::<S, D>(surface, self.features, &samples, sigma, self.monitor)?;
+        Ok(order.into_iter().map(|i| items[i as usize]).collect())
     }
 
     /// Assembles the result from the samples and the number of examined candidates; `sigma_p` is in the units of the input.
@@ -144,7 +136,7 @@ impl Task<'_> {
                 None => samples,
             };
             self.ascend::<_, D>(domain, kernel, &mut samples)?;
-            Ok((sigma, self.in_order::<_, D>(domain, samples, sigma)?))
+            Ok((sigma, self.in_order::<_, D, _>(domain, samples, |s| *s, sigma)?))
         })
     }
 
@@ -170,7 +162,7 @@ impl Task<'_> {
         let mut samples: Vec<Sample> = kept.into_iter().map(|i| choices[i as usize]).collect();
         self.features.with_kernel(sigma, |kernel| self.ascend::<_, D>(surface, kernel, &mut samples))?;
         let samples: Vec<Sample> = parallel::map(&samples[..], |s| surface.sample(s.position).unwrap_or(*s));
-        Ok((sigma, self.in_order::<_, D>(surface, samples, sigma)?))
+        Ok((sigma, self.in_order::<_, D, _>(surface, samples, |s| *s, sigma)?))
     }
 
     fn ascend<S: Surface, const D: usize>(&self, surface: &S, kernel: Kernel, samples: &mut [Sample]) -> Result<()> {
