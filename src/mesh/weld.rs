@@ -6,11 +6,16 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 
+/// Returns a key that identifies a position exactly. Zeros of either sign are equal.
+pub(crate) fn place_key(p: DVec3) -> [u64; 3] {
+    // Adding zero gives -0.0 and 0.0 the same bits.
+    (p + DVec3::ZERO).to_array().map(f64::to_bits)
+}
+
 /// Returns the representative of each position: for those in `numbers`, the lowest of them at exactly the same position; for
 /// all others, the position itself. Zeros of either sign are equal.
 pub fn first_at_place(positions: &[DVec3], mut numbers: Vec<u32>) -> Vec<u32> {
-    // Adding zero gives -0.0 and 0.0 the same bits.
-    let key = |v: u32| (positions[v as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let key = |v: u32| place_key(positions[v as usize]);
     numbers.par_sort_unstable_by_key(|&v| (key(v), v));
     let mut first: Vec<u32> = (0..positions.len() as u32).collect();
     for place in numbers.chunk_by(|&a, &b| key(a) == key(b)) {

@@ -19,6 +19,7 @@ use crate::mesh::sides::lower_first;
 use crate::mesh::submesh::Submesh;
 use crate::mesh::topology::{NONE, twins};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::place_key;
 use crate::optimize::angles::{Goal, improve_angles};
 use crate::optimize::exchange::balance_count;
 use crate::optimize::self_intersections::resolve_self_intersections;
@@ -94,10 +95,14 @@ pub fn optimize_piece(
         (0..whole.triangles.len() as u32).map(|t| selected[whole.provenance().triangle(t) as usize]).collect();
     let part = Submesh::cut_out(&whole, &selected);
     let of_whole = |v: u32| whole.provenance().vertex(part.source[v as usize]).unwrap_or(NONE);
-    let joined: FxHashMap<[u64; 3], u32> =
-        part.interface.as_flattened().iter().map(|&v| (place(part.mesh.positions[v as usize]), of_whole(v))).collect();
+    let joined: FxHashMap<[u64; 3], u32> = part
+        .interface
+        .as_flattened()
+        .iter()
+        .map(|&v| (place_key(part.mesh.positions[v as usize]), of_whole(v)))
+        .collect();
     let piece = |mesh: Mesh| {
-        let source = mesh.positions.iter().map(|&p| joined.get(&place(p)).copied().unwrap_or(NONE)).collect();
+        let source = mesh.positions.iter().map(|&p| joined.get(&place_key(p)).copied().unwrap_or(NONE)).collect();
         MadeAnew { mesh, source }
     };
     let (surface, features) = surface_of(points, options, outline, monitor)?;
@@ -171,7 +176,7 @@ impl Rim {
         let twin = twins(&part.triangles);
         let sides = (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE);
         let edges: Vec<[u32; 2]> = sides.map(|side| part.ends(side)).collect();
-        let at = |v: u32| (place(part.positions[v as usize]), v);
+        let at = |v: u32| (place_key(part.positions[v as usize]), v);
         let vertices: FxHashMap<[u64; 3], u32> = edges.as_flattened().iter().map(|&v| at(v)).collect();
         let mut rim = Rim { edges, vertices, chords: FxHashSet::default() };
         rim.chords = (0..twin.len() as u32).filter_map(|side| rim.chord(part.segment(side))).collect();
@@ -180,7 +185,7 @@ impl Rim {
 
     /// Returns the vertex of the part that is on the rim at `p`.
     fn vertex_at(&self, p: DVec3) -> Option<u32> {
-        self.vertices.get(&place(p)).copied()
+        self.vertices.get(&place_key(p)).copied()
     }
 
     /// Returns the rim vertices at these positions, the lower one first, if both are on the rim.
@@ -227,11 +232,6 @@ impl Rim {
         let chord = |h: u32| self.chord([c.origin(h), c.target(h)].map(|v| mesh.position(v)));
         mesh.edges().filter(|&h| chord(h).is_some_and(|chord| !self.chords.contains(&chord))).collect()
     }
-}
-
-/// Returns a key that identifies a position exactly.
-fn place(p: DVec3) -> [u64; 3] {
-    p.to_array().map(f64::to_bits)
 }
 
 /// Returns the vertices of the domain whose closest triangle of `whole` is `selected`.

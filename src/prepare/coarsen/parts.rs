@@ -13,6 +13,7 @@ use crate::mesh::half_edge::next;
 use crate::mesh::sides::{edges, pairs_of_sides, sorted_sides};
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::place_key;
 use crate::prepare::coarsen::block::{BLOCK, Block, Coarseness, MARGIN, numbered_apart, order_of_triangles};
 use crate::prepare::repair::{Repaired, repair_welded};
 use crate::prepare::welded::Welded;
@@ -149,8 +150,7 @@ impl Part {
         open.sort_unstable();
         open.dedup();
         // Where the surface is open, it may just be unwelded.
-        let mut places: Vec<[u64; 3]> =
-            open.iter().map(|&v| (positions[v as usize] + 0.0).to_array().map(f64::to_bits)).collect();
+        let mut places: Vec<[u64; 3]> = open.iter().map(|&v| place_key(positions[v as usize])).collect();
         places.sort_unstable();
         let is_welded = places.windows(2).all(|two| two[0] != two[1]);
         let twin = pairs_of_sides(&sides, 3 * triangles.len(), |_, _| true);
