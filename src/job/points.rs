@@ -71,10 +71,7 @@ fn with_attributes(sampled: Sampled, input: &Input) -> Sampled {
 /// Returns the number of the point nearest to each of `places`.
 fn nearest(points: &[DVec3], places: &[DVec3]) -> Vec<u32> {
     let points = Neighbors::new(points);
-    parallel::map_with(0..places.len(), Vec::new, |found, i| {
-        points.collect_nearest(places[i], 1, found);
-        found.first().expect("samples are of points").point
-    })
+    parallel::map(places, |&place| points.nearest(place).expect("samples are of points").point)
 }
 
 /// Returns the robust implicit surface of points, or of the vertices of a mesh, as dense triangles.

@@ -491,11 +491,7 @@ mod tests {
         let near = crate::spatial::kdtree::Neighbors::new(
             &kept.numbers.iter().map(|&p| points[p as usize]).collect::<Vec<DVec3>>(),
         );
-        let mut found = Vec::new();
-        for p in &points {
-            near.collect_nearest(*p, 1, &mut found);
-            assert!(found[0].distance_squared.sqrt() <= kept.reach());
-        }
+        assert!(points.iter().all(|&p| near.has_within(p, kept.reach())));
         // Cells are about as wide as the spacing of the points.
         assert!(kept.cell < 2.0 / (kept.numbers.len() as f64).sqrt(), "{}", kept.cell);
         assert!(thinned(2000, &all, 1).0 == kept && thinned(2000, &all, 60_000).0 == kept);

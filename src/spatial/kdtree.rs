@@ -72,11 +72,16 @@ impl Neighbors {
         found.retain(|n| n.distance_squared <= radius * radius);
     }
 
-    /// Returns whether any point is within `radius` of `p`, `radius` included.
-    pub fn has_within(&self, p: DVec3, radius: f64) -> bool {
+    /// Returns the point nearest to `p`; which of several equally near ones depends on the tree.
+    pub fn nearest(&self, p: DVec3) -> Option<Neighbor> {
         let mut nearest = Vec::new();
         self.collect_nearest(p, 1, &mut nearest);
-        nearest.first().is_some_and(|n| n.distance_squared <= radius * radius)
+        nearest.pop()
+    }
+
+    /// Returns whether any point is within `radius` of `p`, `radius` included.
+    pub fn has_within(&self, p: DVec3, radius: f64) -> bool {
+        self.nearest(p).is_some_and(|n| n.distance_squared <= radius * radius)
     }
 
     /// Returns all points within `radius` of `p`, `radius` included, the nearest first; among equally near points, the lower

@@ -68,13 +68,10 @@ fn nearest_rows(
         let points =
             kept_in(folder, plan, around, CELLS, monitor, |point, row| (point.position, Box::<[u8]>::from(row)))?;
         let near = Neighbors::new(&points.iter().map(|point| point.0).collect::<Vec<_>>());
-        let nearest = parallel::map_with(0..vertices.len(), Vec::new, |found, i| {
-            near.collect_nearest(positions[vertices[i]], 1, found);
-            found.first().map(|nearest| nearest.point as usize)
-        });
+        let nearest = parallel::map(vertices, |&v| near.nearest(positions[v]));
         for (v, nearest) in vertices.iter().zip(nearest) {
             if let Some(nearest) = nearest {
-                rows[v * size..][..size].copy_from_slice(&points[nearest].1);
+                rows[v * size..][..size].copy_from_slice(&points[nearest.point as usize].1);
             }
         }
     }
