@@ -206,11 +206,8 @@ fn points_around(mesh: &Mesh, count: usize) -> Vec<u32> {
 /// Returns, for each vertex of `mesh`, whether a side for which `is_one` holds begins or ends there.
 fn corners_of_sides(mesh: &Mesh, is_one: impl Fn(usize) -> bool) -> Vec<bool> {
     let mut corners = vec![false; mesh.positions.len()];
-    for side in (0..3 * mesh.triangles.len()).filter(|&side| is_one(side)) {
-        for k in [side % 3, (side + 1) % 3] {
-            corners[mesh.triangles[side / 3][k] as usize] = true;
-        }
-    }
+    let sides = (0..3 * mesh.triangles.len() as u32).filter(|&side| is_one(side as usize));
+    sides.flat_map(|side| mesh.ends(side)).for_each(|v| corners[v as usize] = true);
     corners
 }
 

@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::monitor::{Monitor, check};
+use crate::geom::aabb::Aabb;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::{
@@ -97,7 +98,7 @@ impl Work<'_> {
         let (around, block) = (around(cube), self.plan.sampling.block());
         let MadePiece { positions, triangles, .. } = self.folder.read_piece(0)?;
         let is_near = |corners: [DVec3; 3]| {
-            let [lo, hi] = [DVec3::min, DVec3::max].map(|most| corners.into_iter().reduce(most).unwrap_or_default());
+            let Aabb { lo, hi } = Aabb::of_triangle(corners);
             BlockBox { lo: place_of(lo, block), hi: place_of(hi, block) + 1 }.touches(around)
         };
         let nodes = nodes(&Mesh { positions, triangles }, self.wanted()?, is_near);
@@ -203,11 +204,7 @@ impl Work<'_> {
         let corners: Vec<DVec3> = corners.into_iter().map(|v| mesh.positions[v as usize]).collect();
         let near = Neighbors::new(&corners);
         let mut points = self.surface_points(cube)?;
-        let mut found = Vec::new();
-        points.retain(|point| {
-            near.collect_nearest_within(point.position, 1, NEAR * self.plan.sampling.sigma, &mut found);
-            !found.is_empty()
-        });
+        points.retain(|point| near.has_within(point.position, NEAR * self.plan.sampling.sigma));
         Ok(points)
     }
 

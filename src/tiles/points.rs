@@ -66,9 +66,8 @@ pub(super) fn kept_in<T: Send>(
     keep: impl Fn(TilePoint, &[u8]) -> T + Sync,
 ) -> Result<Vec<T>> {
     let table = folder.table(plan)?;
-    let (lo, hi) = (bucket_of(blocks.lo), bucket_of(blocks.hi - 1));
-    let touched = |place: [i32; 3]| IVec3::from(place).cmpge(lo).all() && IVec3::from(place).cmple(hi).all();
-    let buckets: Vec<&[Chunk]> = plan.buckets().filter(|chunks| touched(chunks[0].place)).collect();
+    let is_touched = |chunks: &&[Chunk]| blocks_of(chunks[0].place.into()).touches(blocks);
+    let buckets: Vec<&[Chunk]> = plan.buckets().filter(is_touched).collect();
     let of_bucket = |chunks: &[Chunk]| {
         check(monitor)?;
         let rows = folder.rows(chunks)?;

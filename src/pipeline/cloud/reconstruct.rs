@@ -9,7 +9,7 @@ use crate::mesh::topology::{Topology, topology};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::pipeline::cloud::options::CloudOptions;
 use crate::pipeline::cloud::summary::CloudSummary;
-use crate::pipeline::cloud::{Prepared, no_surface, prepared};
+use crate::pipeline::cloud::{Prepared, mean, no_surface, prepared};
 use crate::pipeline::density::check_length;
 use crate::prepare::outside::face_outwards;
 use crate::prepare::repair::repair;
@@ -84,7 +84,7 @@ pub fn reconstruct(points: &Points, options: &ReconstructOptions, monitor: &dyn 
     let area = prepared.area();
     let Prepared { points, near, mut spacings, summary, .. } = prepared;
     let count = points.positions().len();
-    let spacing = spacings.iter().sum::<f64>() / count as f64;
+    let spacing = mean(&spacings);
     let resolution = options.resolution.unwrap_or(DEFAULT_RESOLUTION * spacing);
     refuse_too_small(resolution, area)?;
     spacings.iter_mut().for_each(|s| *s = s.max(resolution));

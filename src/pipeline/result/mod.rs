@@ -290,13 +290,13 @@ fn note_on_bridges(result: &Remeshed) -> Option<String> {
 
 /// Notes how many `faces` there are, with a phrase for one and for many, where the first one is, and what helps.
 fn note_on_faces(result: &Remeshed, faces: &[u32], [one, many]: &[String; 2], remedy: &str) -> Option<String> {
-    let place = near(result.mesh.corners(*faces.first()? as usize).into_iter().sum::<DVec3>() / 3.0);
+    let place = near(result.mesh.centroid(*faces.first()? as usize));
     Some(format!("{}, the first {place}: {remedy}", counted(faces.len(), one, many)))
 }
 
 /// Notes how many faces intersect others, where the first one is, and whether the input is to blame.
 fn notes_on_self_intersections(result: &Remeshed) -> Vec<String> {
-    let place = |t: u32| near(result.mesh.corners(t as usize).into_iter().sum::<DVec3>() / 3.0);
+    let place = |t: u32| near(result.mesh.centroid(t as usize));
     let intersect = |count: usize| counted(count, "face intersects others", "faces intersect others");
     let (new, all) = (&result.new_self_intersections, &result.self_intersections);
     let of_input = result.self_intersections_of_input.unwrap_or(0);

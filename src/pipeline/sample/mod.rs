@@ -116,7 +116,7 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     let cloud = match prepared(&inwards, &options.cloud.within_unit(unit.size), monitor) {
         Err(Error::Mesh { .. }) if options.scan_only && !needs_normals => {
             monitor.stage("sample");
-            return sample_bare_points(input, &unit, options, monitor);
+            return sample_bare_points(input, &inwards, &unit, options, monitor);
         }
         cloud => cloud?,
     };
@@ -141,10 +141,15 @@ pub fn sample_points(input: &Points, options: &SampleOptions, monitor: &dyn Moni
     Ok(Sampled { cloud: Some(cloud.summary), ..sampled })
 }
 
-/// Chooses a subset of points that do not form a surface.
-fn sample_bare_points(input: &Points, unit: &Unit, options: &SampleOptions, monitor: &dyn Monitor) -> Result<Sampled> {
-    let positions = input.positions().iter().map(|&p| unit.inwards_point(p)).collect();
-    let bare = bare_samples(&Points::new(positions, input.normals().to_vec())?);
+/// Chooses a subset of points that do not form a surface; `inwards` has them in `unit`.
+fn sample_bare_points(
+    input: &Points,
+    inwards: &Points,
+    unit: &Unit,
+    options: &SampleOptions,
+    monitor: &dyn Monitor,
+) -> Result<Sampled> {
+    let bare = bare_samples(inwards);
     let (first_sigma, wanted) = first_sigma(options.density, area_of_box(&bare), unit);
     let features = KernelFeatures::of_points(options.sigma_n, &options.signals);
     let task = Task { features: &features, first_sigma, wanted, options, monitor };

@@ -1,6 +1,5 @@
 //! Domain that is sampled for a number of vertices: refined, with the feature curves that so many vertices can follow.
 
-use crate::mesh::half_edge::next;
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::refine::{refine, refine_edges};
 use crate::mesh::sides::lower_first;
@@ -77,11 +76,8 @@ pub(in crate::pipeline) fn domain_at(
 /// Returns the number of samples `spacing` apart on the boundary of `mesh`.
 fn samples_on_boundary(mesh: &Mesh, spacing: f64) -> f64 {
     let twin = twins(&mesh.triangles);
-    let length = |side: usize| {
-        let corners = mesh.corners(side / 3);
-        corners[side % 3].distance(corners[next(side as u32) as usize % 3])
-    };
-    (0..twin.len()).filter(|&side| twin[side] == NONE).map(length).sum::<f64>() / spacing
+    let open = (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE);
+    open.map(|side| mesh.segment(side)).map(|[p, q]| p.distance(q)).sum::<f64>() / spacing
 }
 
 /// Makes the domain over `clean`, refined for the given scale.
