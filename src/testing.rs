@@ -33,6 +33,12 @@ pub fn joined(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     all
 }
 
+/// The mesh at another place.
+pub fn moved(mut mesh: Mesh, by: DVec3) -> Mesh {
+    mesh.positions.iter_mut().for_each(|p| *p += by);
+    mesh
+}
+
 /// The unit cube, each face two triangles.
 pub fn cube() -> Mesh {
     let positions = (0..8).map(|v| dvec3(f64::from(v & 1), f64::from(v >> 1 & 1), f64::from(v >> 2)));

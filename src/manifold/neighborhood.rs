@@ -332,8 +332,9 @@ fn crossing(own: &[[DVec3; 3]], around: &[[DVec3; 3]], depth: f64) -> Vec<[DVec3
 mod tests {
     use super::*;
     use crate::mesh::topology::topology;
+    use crate::mesh::triangle_mesh::Mesh;
     use crate::surface::domain::Sample;
-    use crate::testing::sheet;
+    use crate::testing::{joined, sheet};
 
     const WIDTH: u32 = 8;
 
@@ -552,12 +553,10 @@ mod tests {
     #[test]
     fn a_vertex_put_through_another_sheet_would_cross_it() {
         const CELLS: u32 = 8;
-        let [lower, upper] = [0.0, 0.01].map(|height| sheet(CELLS, |_, _| height));
-        let first = lower.positions.len() as u32;
-        let positions = lower.positions.into_iter().chain(upper.positions);
-        let triangles: Vec<[u32; 3]> =
-            lower.triangles.into_iter().chain(upper.triangles.into_iter().map(|t| t.map(|v| v + first))).collect();
-        let samples = positions.map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
+        let Mesh { positions, triangles } = joined([0.0, 0.01].map(|height| sheet(CELLS, |_, _| height)));
+        let first = positions.len() as u32 / 2;
+        let samples =
+            positions.into_iter().map(|position| Sample { position, normal: DVec3::Z, triangle: 0, size: 1.0 });
         let mesh = Manifold::new(samples.collect(), &triangles);
         let mut neighborhood = Neighborhood::around(&mesh, first / 2, 2).unwrap();
         let faces = Faces::new(&mesh);

@@ -94,27 +94,13 @@ fn is_closed(sides: impl Iterator<Item = Side>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{cube, sheet};
-    use glam::{DVec3, dvec3};
+    use crate::testing::{cube, joined, moved, sheet};
+    use glam::dvec3;
 
     /// A block of `n` cubes along each axis, each listed with all its faces and with vertices of its own.
     fn volume(n: u32) -> Mesh {
         let cells = (0..n * n * n).map(|i| dvec3((i % n).into(), (i / n % n).into(), (i / n / n).into()));
-        together(cells.map(|at| moved(&cube(), at)))
-    }
-
-    fn moved(mesh: &Mesh, by: DVec3) -> Mesh {
-        Mesh { positions: mesh.positions.iter().map(|&p| p + by).collect(), triangles: mesh.triangles.clone() }
-    }
-
-    fn together(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
-        let mut all = Mesh::default();
-        for part in parts {
-            let base = all.positions.len() as u32;
-            all.positions.extend(part.positions);
-            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
-        }
-        all
+        joined(cells.map(|at| moved(cube(), at)))
     }
 
     fn dropped(mesh: &Mesh) -> usize {
@@ -138,9 +124,9 @@ mod tests {
             triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
         };
         let sheet = sheet(4, |_, _| 2.0);
-        assert_eq!(dropped(&together([sheet.clone(), turned(&sheet)])), 0);
+        assert_eq!(dropped(&joined([sheet.clone(), turned(&sheet)])), 0);
         let fin = Mesh { triangles: sheet.triangles[..2].to_vec(), ..sheet };
-        assert_eq!(dropped(&together([cube(), fin.clone(), turned(&fin)])), 0);
+        assert_eq!(dropped(&joined([cube(), fin.clone(), turned(&fin)])), 0);
         let mut open = volume(3);
         open.triangles.remove(0);
         assert_eq!(dropped(&open), 0);

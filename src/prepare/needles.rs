@@ -183,7 +183,7 @@ mod tests {
     use crate::mesh::topology::topology;
     use crate::prepare::repair::repair_welded;
     use crate::prepare::welded::Welded;
-    use crate::testing::{cube, sphere};
+    use crate::testing::{cube, joined, moved, sphere};
     use glam::dvec3;
 
     fn repaired(mesh: &Mesh) -> Repaired {
@@ -238,12 +238,9 @@ mod tests {
 
     #[test]
     fn what_is_small_but_no_needle_stays() {
-        let mut mesh = sphere();
-        mesh.positions.iter_mut().for_each(|p| *p *= 1e-9);
-        let all = mesh.positions.len() as u32;
-        let cube = cube();
-        mesh.positions.extend(cube.positions.iter().map(|p| *p + 1.0));
-        mesh.triangles.extend(cube.triangles.iter().map(|t| t.map(|v| v + all)));
+        let mut small = sphere();
+        small.positions.iter_mut().for_each(|p| *p *= 1e-9);
+        let mesh = joined([small, moved(cube(), DVec3::ONE)]);
         let before = repaired(&mesh);
         let after = without_needles(repaired(&mesh));
         assert!(after.mesh == before.mesh && after.repairs == before.repairs && after.twins == before.twins);

@@ -385,24 +385,13 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream};
     use crate::mesh::topology::topology;
+    use crate::testing::{cube, joined, moved};
     use glam::dvec3;
     use rand_chacha::rand_core::Rng;
 
-    fn cube(origin: DVec3) -> Mesh {
-        let positions = (0..8).map(|i| origin + dvec3((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)).collect();
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        Mesh { positions, triangles }
-    }
-
-    fn soup(meshes: &[Mesh]) -> Mesh {
-        let mut all = Mesh::default();
-        for t in meshes.iter().flat_map(|m| (0..m.triangles.len()).map(move |t| m.corners(t))) {
-            let base = all.positions.len() as u32;
-            all.positions.extend(t);
-            all.triangles.push([base, base + 1, base + 2]);
-        }
-        all
+    fn soup(meshes: impl IntoIterator<Item = Mesh>) -> Mesh {
+        let all = joined(meshes);
+        Mesh::soup((0..all.triangles.len()).map(|t| all.corners(t)))
     }
 
     fn audit(mesh: &Mesh) -> crate::mesh::topology::Topology {
@@ -414,7 +403,7 @@ mod tests {
 
     #[test]
     fn a_clean_mesh_stays_as_it_is() {
-        let cube = cube(DVec3::ZERO);
+        let cube = cube();
         let (same, repairs) = repair(&cube);
         assert_eq!(repairs, Repairs::default());
         assert_eq!(same.into_mesh(), cube);
@@ -422,7 +411,7 @@ mod tests {
 
     #[test]
     fn a_soup_is_welded() {
-        let (mesh, repairs) = repair(&soup(&[cube(DVec3::ZERO)]));
+        let (mesh, repairs) = repair(&soup([cube()]));
         assert_eq!(repairs, Repairs { welded_vertices: 28, ..Repairs::default() });
         assert_eq!(audit(&mesh).euler, 2);
     }
@@ -430,7 +419,7 @@ mod tests {
     #[test]
     fn cubes_that_share_an_edge_or_a_corner_come_apart_closed() {
         for shift in [dvec3(1.0, 1.0, 0.0), dvec3(1.0, 1.0, 1.0)] {
-            let (mesh, repairs) = repair(&soup(&[cube(DVec3::ZERO), cube(shift)]));
+            let (mesh, repairs) = repair(&soup([cube(), moved(cube(), shift)]));
             let t = audit(&mesh);
             assert_eq!((t.components, t.euler, t.boundary_loops), (2, 4, 0), "{shift}");
             assert!(repairs.split_vertices > 0);
@@ -439,7 +428,7 @@ mod tests {
 
     #[test]
     fn turned_faces_are_turned_back() {
-        let mut mesh = cube(DVec3::ZERO);
+        let mut mesh = cube();
         mesh.triangles[3].swap(0, 1);
         mesh.triangles[8].swap(1, 2);
         let (mended, repairs) = repair(&mesh);
@@ -481,7 +470,7 @@ mod tests {
 
     #[test]
     fn a_third_face_becomes_a_sheet_of_its_own() {
-        let mut mesh = cube(DVec3::ZERO);
+        let mut mesh = cube();
         mesh.positions.push(dvec3(0.5, -1.0, -1.0));
         mesh.triangles.push([0, 1, 8]);
         let (mended, repairs) = repair(&mesh);
@@ -491,7 +480,7 @@ mod tests {
 
     #[test]
     fn copies_and_flat_triangles_go() {
-        let mut mesh = cube(DVec3::ZERO);
+        let mut mesh = cube();
         mesh.triangles.push([3, 0, 2]);
         mesh.triangles.push([4, 4, 2]);
         let first = mesh.positions.len() as u32;
@@ -504,7 +493,7 @@ mod tests {
 
     #[test]
     fn copies_on_a_closed_surface_go_and_a_sheet_of_them_that_sticks_out_stays() {
-        let mut mesh = cube(DVec3::ZERO);
+        let mut mesh = cube();
         let [a, b, _] = mesh.triangles[0];
         // The fourth corner of the square face; the triangle of a, b and this corner is neither of its halves.
         let [at_a, at_b, at_c] = mesh.corners(0);
@@ -526,7 +515,7 @@ mod tests {
     #[test]
     fn of_a_volume_the_outside_is_left() {
         let places = (0..27).map(|i| dvec3((i % 3).into(), (i / 3 % 3).into(), (i / 9).into()));
-        let cells = soup(&places.map(cube).collect::<Vec<Mesh>>());
+        let cells = soup(places.map(|at| moved(cube(), at)));
         let (mesh, repairs) = repair(&cells);
         assert_eq!((repairs.faces_between_cells, repairs.duplicate_triangles, repairs.cut_edges), (216, 0, 0));
         assert_eq!((audit(&mesh).euler, mesh.triangles.len()), (2, 108));

@@ -297,6 +297,7 @@ mod tests {
     use crate::base::rng::{Stage, stream, unit};
     use crate::mesh::topology::topology;
     use crate::prepare::repair::{Repaired, repair, repair_welded};
+    use crate::testing::{grid, joined};
     use glam::dvec3;
     use std::f64::consts::{PI, TAU};
 
@@ -312,16 +313,6 @@ mod tests {
 
     fn boundary_loops(mesh: &Mesh) -> usize {
         topology(mesh.positions.len(), &mesh.triangles).boundary_loops
-    }
-
-    fn together(parts: &[&Mesh]) -> Mesh {
-        let mut all = Mesh::default();
-        for part in parts {
-            let base = all.positions.len() as u32;
-            all.positions.extend(&part.positions);
-            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
-        }
-        all
     }
 
     /// A sphere of radius 1 with poles that all meridians share, cut along one meridian, with the vertices on one side of
@@ -411,40 +402,30 @@ mod tests {
         let sheet_at = |z: f64, y: DVec3| sheet(4, dvec3(0.0, 0.0, z), DVec3::X, y);
         let mut behind = sheet_at(1e-8, DVec3::Y);
         for _ in 0..2 {
-            assert_eq!(boundary_loops(&stitched(&together(&[&sheet_at(0.0, DVec3::Y), &behind]))), 2);
+            assert_eq!(boundary_loops(&stitched(&joined([sheet_at(0.0, DVec3::Y), behind.clone()]))), 2);
             behind.triangles.iter_mut().for_each(|t| t.swap(0, 1));
         }
         let fan = [sheet_at(0.0, DVec3::Y), sheet_at(1e-8, DVec3::NEG_Y), sheet_at(2e-8, DVec3::Z)];
-        let three = together(&[&fan[0], &fan[1], &fan[2]]);
+        let three = joined(fan.clone());
         assert_eq!(boundary_loops(&stitched(&three)), 3);
         assert!(stitch(&three).cracks.is_some());
-        let two = together(&[&fan[0], &fan[1]]);
-        assert_eq!(boundary_loops(&stitched(&two)), 1);
+        let [a, b, _] = fan;
+        assert_eq!(boundary_loops(&stitched(&joined([a, b]))), 1);
     }
 
     /// A sheet of n by n squares over the parallelogram that `x` and `y` span at `origin`.
     fn sheet(n: u32, origin: DVec3, x: DVec3, y: DVec3) -> Mesh {
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        let positions = (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j)));
-        let square = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
-        Mesh {
-            positions: positions.map(|(i, j)| origin + (x * f64::from(i) + y * f64::from(j)) / f64::from(n)).collect(),
-            triangles: (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).flat_map(square).collect(),
-        }
+        grid(n, n, |u, v| origin + u * x + v * y)
     }
 
     /// The unit cube as six separate sheets, every vertex moved by up to `jitter` along each axis.
     fn cube_of_sheets(n: u32, jitter: f64) -> Mesh {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        let mut cube = Mesh::default();
-        for k in 0..3 {
+        let faces = |k: usize| {
             let (x, y, z) = (axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]);
-            for face in [sheet(n, z, x, y), sheet(n, DVec3::ZERO, y, x)] {
-                let base = cube.positions.len() as u32;
-                cube.triangles.extend(face.triangles.iter().map(|t| t.map(|v| v + base)));
-                cube.positions.extend(face.positions);
-            }
-        }
+            [sheet(n, z, x, y), sheet(n, DVec3::ZERO, y, x)]
+        };
+        let mut cube = joined((0..3).flat_map(faces));
         let mut rng = stream(3, Stage::Scan);
         let mut shift = || jitter * (2.0 * unit(&mut rng) - 1.0);
         cube.positions.iter_mut().for_each(|p| *p += dvec3(shift(), shift(), shift()));
@@ -473,12 +454,8 @@ mod tests {
         assert!(stitch(&open).welded.representatives.into_iter().eq(0..21 * 21));
         assert!(close_cracks(&open, 100.0).representatives.into_iter().eq(0..21 * 21));
         // A second sheet far away: the edges of the first are shorter than the suspicious distance.
-        let mut far = sheet(2, dvec3(1e7, 0.0, 0.0), DVec3::X, DVec3::Y);
-        far.triangles.iter_mut().flatten().for_each(|v| *v += open.positions.len() as u32);
-        let mut both = open;
-        both.positions.extend(far.positions);
-        both.triangles.extend(far.triangles);
-        assert_eq!(stitch(&both).cracks, None);
+        let far = sheet(2, 1e7 * DVec3::X, DVec3::X, DVec3::Y);
+        assert_eq!(stitch(&joined([open, far])).cracks, None);
     }
 
     #[test]

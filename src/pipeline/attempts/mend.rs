@@ -241,7 +241,6 @@ fn has_fewer_faults(surface: &SizedSurface, changed: &Neighborhood, place: &Neig
 mod tests {
     use super::*;
     use crate::manifold::Manifold;
-    use crate::mesh::triangle_mesh::Mesh;
     use crate::pipeline::attempts::optimization::optimize;
     use crate::pipeline::density::Density;
     use crate::pipeline::options::Options;
@@ -249,26 +248,14 @@ mod tests {
     use crate::spectral::candidates::candidates;
     use crate::spectral::curve_samples::sample_curves;
     use crate::spectral::scan::linear_scan;
-    use crate::testing;
+    use crate::testing::{joined, moved, sphere};
     use crate::triangulate::{Boundary, triangulate};
-    use glam::{DVec3, dvec3};
-
-    /// Returns two spheres side by side.
-    fn spheres() -> Mesh {
-        let one = testing::sphere();
-        let count = one.positions.len() as u32;
-        let moved = one.positions.iter().map(|&p| p + dvec3(4.0, 0.0, 0.0));
-        let triangles = one.triangles.iter().map(|t| t.map(|v| v + count));
-        Mesh {
-            positions: one.positions.iter().copied().chain(moved).collect(),
-            triangles: one.triangles.iter().copied().chain(triangles).collect(),
-        }
-    }
+    use glam::DVec3;
 
     /// Returns a mesh of 10,000 vertices after one of them was moved to a neighbour by this share of the way, the original
     /// place of the vertex, and the mended mesh.
     fn mended_after_moving(share: f64) -> (Finished, DVec3, Finished) {
-        let input = spheres();
+        let input = joined([sphere(), moved(sphere(), 4.0 * DVec3::X)]);
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
         let mut surface =

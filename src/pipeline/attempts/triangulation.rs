@@ -153,15 +153,13 @@ mod tests {
     use crate::pipeline::density::Density;
     use crate::pipeline::options::Options;
     use crate::pipeline::sized::resizing::Resizing;
-    use crate::testing::{joined, revolved, sphere};
+    use crate::testing::{joined, moved, revolved, sphere};
     use glam::dvec3;
 
     /// Returns a unit sphere and a rod of the given radius beside it.
     fn sphere_and_rod(radius: f64) -> Mesh {
         let profile: Vec<(f64, f64)> = (0..=60).map(|i| (radius, -1.5 + 0.05 * f64::from(i))).collect();
-        let mut rod = revolved([-1.5, 1.5], &profile, 24);
-        rod.positions.iter_mut().for_each(|p| *p += 2.0 * DVec3::X);
-        joined([sphere(), rod])
+        joined([sphere(), moved(revolved([-1.5, 1.5], &profile, 24), 2.0 * DVec3::X)])
     }
 
     /// Returns the sparse places of the samples for 1000 vertices, in the input's unit.

@@ -220,13 +220,13 @@ impl SizedSurface {
 mod tests {
     use super::*;
     use crate::pipeline::options::Options;
-    use crate::testing::{cube, joined};
+    use crate::testing::{cube, joined, moved};
 
     #[test]
     fn self_intersections_are_those_of_the_whole_refined_surface() {
-        let moved = |by: DVec3| Mesh { positions: cube().positions.iter().map(|&p| p + by).collect(), ..cube() };
         // Two that intersect, and a separate one.
-        let input = joined([DVec3::ZERO, DVec3::new(0.3, 0.4, 0.6), DVec3::new(4.0, 0.1, 0.2)].map(moved));
+        let places = [DVec3::ZERO, DVec3::new(0.3, 0.4, 0.6), DVec3::new(4.0, 0.1, 0.2)];
+        let input = joined(places.map(|at| moved(cube(), at)));
         let options = Options::default();
         let (prepared, repaired) = PreparedInput::new(&input, &options, &()).unwrap();
         let (density, resizing) = (Density::Points(900), Resizing::default());
