@@ -5,6 +5,7 @@ use crate::base::monitor::{Monitor, check};
 use crate::mesh::oriented_manifold::OrientedManifold;
 use crate::mesh::topology::{Topology, components, topology, topology_of_manifold};
 use crate::mesh::triangle_mesh::Mesh;
+use crate::pipeline::input_checks::refuse_bad_numbers;
 use crate::pipeline::options::Options;
 use crate::pipeline::result::lost::Components;
 use crate::pipeline::scale::Field;
@@ -15,7 +16,6 @@ use crate::prepare::repair::{Repaired, repair_welded};
 use crate::prepare::repairs::Repairs;
 use crate::prepare::stitch::{Cracks, Stitched, close_cracks, stitch};
 use crate::surface::features::Features;
-use glam::DVec3;
 
 /// Data that all runs share, whatever the number of vertices.
 pub(super) struct PreparedInput<'a> {
@@ -141,35 +141,6 @@ fn made_manifold(mesh: Mesh, weld: Option<f64>) -> (Repaired, Option<Cracks>) {
     (repair_welded(mesh.positions, welded), cracks)
 }
 
-/// Largest permitted coordinate: squares of differences must stay finite.
-const LARGEST_COORDINATE: f64 = 1e150;
-
-/// Refuses a mesh without faces, coordinates that are not finite or too large, and corners that do not exist.
-///
-/// # Errors
-/// [`Error::Mesh`] for the first of these.
-pub fn refuse_bad_numbers(mesh: &Mesh) -> Result<()> {
-    let refuse = |fault, cause: String, remedy: &str| Err(Error::Mesh { fault, cause, remedy: remedy.into() });
-    if mesh.triangles.is_empty() {
-        let n = mesh.positions.len();
-        let remedy = "a surface with faces is needed; reconstruct one from the points first";
-        return refuse(Fault::Empty, format!("{n} points and no faces"), remedy);
-    }
-    refuse_bad_positions(&mesh.positions)?;
-    let bound = mesh.positions.len();
-    if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= bound)) {
-        return refuse(
-            Fault::Indices,
-            format!(
-                "triangle {t} has a corner that does not exist: {:?}, where there are {bound} vertices",
-                mesh.triangles[t]
-            ),
-            "correct the indices",
-        );
-    }
-    Ok(())
-}
-
 /// Number of edges with more than two faces, in total and per face, above which a mesh is not a surface. Where sheets meet
 /// there are at most a twentieth per face; the cells of a volume, or all triangles between near points, have half an edge
 /// per face. Such a mesh would fall apart into as many patches as it has faces.
@@ -189,22 +160,6 @@ fn refuse_no_surface(repairs: &Repairs, faces: usize) -> Result<()> {
     Err(Error::Mesh { fault: Fault::NoSurface, cause, remedy })
 }
 
-/// Refuses coordinates that are not finite or too large.
-///
-/// # Errors
-/// [`Error::Mesh`] for the first of these.
-pub fn refuse_bad_positions(positions: &[DVec3]) -> Result<()> {
-    let bad = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(LARGEST_COORDINATE)).all());
-    bad.map_or(Ok(()), |v| {
-        let remedy = "remove it or correct its coordinates".into();
-        Err(Error::Mesh {
-            fault: Fault::Coordinates,
-            cause: format!("vertex {v} is at {}, which is too large or not finite", positions[v]),
-            remedy,
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -214,10 +169,7 @@ mod tests {
     fn what_is_repaired_again_is_the_same() {
         // Every triangle separate, and one of them twice.
         let sphere = testing::sphere();
-        let corners = |t: usize| sphere.corners(t);
-        let positions: Vec<DVec3> = (0..sphere.triangles.len()).chain([0]).flat_map(corners).collect();
-        let triangles = (0..positions.len() as u32 / 3).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect();
-        let input = Mesh { positions, triangles };
+        let input = Mesh::soup((0..sphere.triangles.len()).chain([0]).map(|t| sphere.corners(t)));
         let options = Options { smooth: Some(2.3), ..Options::default() };
         let (prepared, first) = PreparedInput::new(&input, &options, &()).unwrap();
         assert_eq!(first.positions.len(), sphere.positions.len());
