@@ -20,10 +20,10 @@ pub fn merged(points: &Points) -> (Points, Vec<u32>) {
 }
 
 /// Returns, for each point, whether it is a neighbour of any other point: outliers are not.
-pub fn wanted_by_others(graph: &NeighborGraph, points: usize) -> Vec<bool> {
-    let mut wanted = vec![false; points];
-    (0..points as u32).flat_map(|p| graph.of(p)).for_each(|&n| wanted[n as usize] = true);
-    wanted
+pub fn are_neighbors(graph: &NeighborGraph, points: usize) -> Vec<bool> {
+    let mut are_neighbors = vec![false; points];
+    (0..points as u32).flat_map(|p| graph.of(p)).for_each(|&n| are_neighbors[n as usize] = true);
+    are_neighbors
 }
 
 #[cfg(test)]
@@ -53,7 +53,6 @@ mod tests {
             (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
         positions.push(DVec3::new(10.0, 10.0, 4.0));
         let graph = NeighborGraph::new(&positions, &Neighbors::new(&positions), 8);
-        let wanted = wanted_by_others(&graph, positions.len());
-        assert_eq!(wanted.iter().position(|w| !w), Some(400));
+        assert_eq!(are_neighbors(&graph, positions.len()).iter().position(|is| !is), Some(400));
     }
 }

@@ -48,28 +48,28 @@ const ROUNDS: usize = 5;
 /// the number of the lowest point in it.
 pub fn orient(points: &[DVec3], normals: &mut [DVec3], graph: &NeighborGraph) -> Vec<u32> {
     let trust = trust(points, graph);
-    let sides = sides(votes_of_neighbors(points, normals, graph, &trust), points.len());
-    normals.iter_mut().zip(&sides).filter(|(_, side)| **side % 2 == 1).for_each(|(n, _)| *n = -*n);
+    let parts = oriented_parts(votes_of_neighbors(points, normals, graph, &trust), points.len());
+    normals.iter_mut().zip(&parts).filter(|(_, part)| **part % 2 == 1).for_each(|(n, _)| *n = -*n);
     turn_outvoted(points, normals, graph, &trust);
-    sides.into_iter().map(|side| side / 2).collect()
+    parts.into_iter().map(|part| part / 2).collect()
 }
 
 /// Returns, for each of the points, twice the lowest point of its part, plus one if its orientation is opposite to that of
 /// the lowest point.
-fn sides(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
+fn oriented_parts(mut votes: Vec<Vote>, points: usize) -> Vec<u32> {
     // Two nodes for each point, one per orientation. The root of a set is its lowest node.
     let mut sets = UnionFind::new(2 * points);
-    let mut sides: Vec<u32> = (0..points as u32).map(|p| 2 * p).collect();
+    let mut parts: Vec<u32> = (0..points as u32).map(|p| 2 * p).collect();
     while !votes.is_empty() {
         for Vote { ends: [a, b], sum } in clearest(&votes, points) {
             let turned = u32::from(sum < 0.0);
             sets.join(2 * a, 2 * b + turned);
             sets.join(2 * a + 1, 2 * b + 1 - turned);
         }
-        sides = (0..points as u32).map(|p| sets.find(2 * p)).collect();
-        votes = between_parts(&votes, &sides);
+        parts = (0..points as u32).map(|p| sets.find(2 * p)).collect();
+        votes = between_parts(&votes, &parts);
     }
-    sides
+    parts
 }
 
 /// Returns the votes of all pairs of neighbours.
@@ -97,10 +97,11 @@ fn clearest(votes: &[Vote], points: usize) -> impl Iterator<Item = Vote> {
     best.into_iter().flatten()
 }
 
-/// Returns the votes between the remaining parts, which `sides` gives; votes between the same two parts are added up.
-fn between_parts(votes: &[Vote], sides: &[u32]) -> Vec<Vote> {
+/// Returns the votes between the remaining parts, as [`oriented_parts`] numbers them; votes between the same two parts are
+/// added up.
+fn between_parts(votes: &[Vote], parts: &[u32]) -> Vec<Vote> {
     let renamed = |vote: &Vote| {
-        let [a, b] = vote.ends.map(|end| sides[end as usize]);
+        let [a, b] = vote.ends.map(|end| parts[end as usize]);
         let sum = if a % 2 == b % 2 { vote.sum } else { -vote.sum };
         (a / 2 != b / 2).then_some(Vote { ends: [a.min(b) / 2, a.max(b) / 2], sum })
     };
@@ -226,7 +227,7 @@ mod tests {
         let vote = |a, b, sum| Vote { ends: [a, b], sum };
         // Two pairs, each with a common orientation; the clearest vote between them contradicts the sum of the others.
         let votes = vec![vote(0, 1, 1.0), vote(2, 3, 1.0), vote(0, 2, 0.9), vote(0, 3, -0.6), vote(1, 3, -0.6)];
-        assert_eq!(sides(votes, 5), [0, 0, 1, 1, 8]);
+        assert_eq!(oriented_parts(votes, 5), [0, 0, 1, 1, 8]);
     }
 
     #[test]

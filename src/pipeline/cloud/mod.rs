@@ -17,7 +17,7 @@ use crate::pipeline::cloud::options::{
 };
 use crate::pipeline::cloud::summary::CloudSummary;
 use crate::pipeline::input_checks::refuse_bad_positions;
-use crate::prepare::clean::{merged, wanted_by_others};
+use crate::prepare::clean::{are_neighbors, merged};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::prepare::flatten::{Flatness, flatness, flattened};
 use crate::prepare::orient::{disagreement, orient, side_with};
@@ -112,12 +112,12 @@ impl Cleaned {
         refuse_without_surface(points.positions())?;
         let all = Cleaned::with_neighbors(points, source);
         check(monitor)?;
-        let wanted = wanted_by_others(&all.graph, all.source.len());
-        summary.outliers = wanted.iter().filter(|w| !**w).count();
+        let stays = are_neighbors(&all.graph, all.source.len());
+        summary.outliers = stays.iter().filter(|stays| !**stays).count();
         if summary.outliers == 0 {
             return Ok(all);
         }
-        let kept: Vec<u32> = (0..wanted.len() as u32).filter(|&p| wanted[p as usize]).collect();
+        let kept: Vec<u32> = (0..stays.len() as u32).filter(|&p| stays[p as usize]).collect();
         let source = kept.iter().map(|&p| all.source[p as usize]).collect();
         let cleaned = Cleaned::with_neighbors(all.points.pick(&kept), source);
         check(monitor)?;

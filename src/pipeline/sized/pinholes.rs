@@ -11,48 +11,48 @@ use crate::mesh::triangle_mesh::Mesh;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-/// Rim length below which a hole is a pinhole, in spacings: samples on it would be a twentieth apart.
-const RIM: f64 = 0.15;
+/// Length of the boundary loop below which a hole is a pinhole, in spacings: samples on it would be a twentieth apart.
+const LONGEST: f64 = 0.15;
 
 /// Pinholes that were closed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pinholes {
     /// Number of pinholes.
     pub count: usize,
-    /// Point of the one with the longest rim, in the units of the mesh.
+    /// Point of the one with the longest boundary loop, in the units of the mesh.
     pub place: DVec3,
 }
 
 /// Closes the pinholes of `surface`, for edges of length `spacing`.
 pub(in crate::pipeline) fn close_pinholes(surface: &mut OrientedManifold, spacing: f64) -> Pinholes {
-    let mut rims = short_rims(surface, RIM * spacing);
-    if rims.is_empty() {
+    let mut loops = short_loops(surface, LONGEST * spacing);
+    if loops.is_empty() {
         return Pinholes::default();
     }
-    rims.sort_by(|a, b| b.length.total_cmp(&a.length));
-    without_outlines(surface, &mut rims);
-    let edges = edges_between(surface, rims.iter().flat_map(|rim| &rim.sides));
+    loops.sort_by(|a, b| b.length.total_cmp(&a.length));
+    without_whole_components(surface, &mut loops);
+    let edges = edges_between(surface, loops.iter().flat_map(|boundary| &boundary.sides));
     let mut closed = Pinholes::default();
-    for rim in rims {
-        let Some(filling) = rim.filling(surface, &edges) else { continue };
+    for boundary in loops {
+        let Some(filling) = boundary.filling(surface, &edges) else { continue };
         if closed.count == 0 {
-            closed.place = surface.positions[surface.origin(rim.sides[0]) as usize];
+            closed.place = surface.positions[surface.origin(boundary.sides[0]) as usize];
         }
         closed.count += 1;
-        filling.into_iter().for_each(|triangle| surface.add_beside(triangle, rim.sides[0] / 3));
+        filling.into_iter().for_each(|triangle| surface.add_beside(triangle, boundary.sides[0] / 3));
     }
     closed
 }
 
-/// Rim of a hole: each side begins where the previous one ends.
-struct Rim {
+/// Boundary loop around a hole: each side begins where the previous one ends.
+struct BoundaryLoop {
     sides: Vec<u32>,
     length: f64,
 }
 
-impl Rim {
-    /// Returns triangles that close the hole, as a fan around the first rim vertex that none of these `edges` connects to
-    /// another rim vertex except its neighbours; `None` if there is none.
+impl BoundaryLoop {
+    /// Returns triangles that close the hole, as a fan around the first vertex of the loop that none of these `edges`
+    /// connects to another one except its neighbours; `None` if there is none.
     fn filling(&self, mesh: &Mesh, edges: &FxHashSet<[u32; 2]>) -> Option<Vec<[u32; 3]>> {
         let vertices: Vec<u32> = self.sides.iter().map(|&side| mesh.origin(side)).collect();
         let count = vertices.len();
@@ -63,44 +63,46 @@ impl Rim {
     }
 }
 
-/// Returns the rims that are shorter than `most`.
-fn short_rims(mesh: &Mesh, most: f64) -> Vec<Rim> {
+/// Returns the boundary loops that are shorter than `most`.
+fn short_loops(mesh: &Mesh, most: f64) -> Vec<BoundaryLoop> {
     let twin = twins(&mesh.triangles);
     let mut is_seen = vec![false; twin.len()];
-    let mut rims = Vec::new();
+    let mut loops = Vec::new();
     for first in (0..twin.len() as u32).filter(|&side| twin[side as usize] == NONE) {
-        let mut rim = Rim { sides: Vec::new(), length: 0.0 };
+        let mut boundary = BoundaryLoop { sides: Vec::new(), length: 0.0 };
         let mut side = first;
         while !is_seen[side as usize] {
             is_seen[side as usize] = true;
             let [from, to] = mesh.segment(side);
-            rim.length += from.distance(to);
-            rim.sides.push(side);
+            boundary.length += from.distance(to);
+            boundary.sides.push(side);
             side = next(side);
             while twin[side as usize] != NONE {
                 side = next(twin[side as usize]);
             }
         }
-        if rim.sides.len() > 2 && rim.length < most {
-            rims.push(rim);
+        if boundary.sides.len() > 2 && boundary.length < most {
+            loops.push(boundary);
         }
     }
-    rims
+    loops
 }
 
-/// Removes rims around whole components: those whose component has less area than a square with a side as long as the rim.
-fn without_outlines(mesh: &Mesh, rims: &mut Vec<Rim>) {
+/// Removes the loops around whole components: those whose component has less area than a square with a side as long as the
+/// loop.
+fn without_whole_components(mesh: &Mesh, loops: &mut Vec<BoundaryLoop>) {
     let component = components(mesh.positions.len(), &mesh.triangles);
     let areas = mesh.component_areas(&component);
-    rims.retain(|rim| areas[component[mesh.origin(rim.sides[0]) as usize] as usize] > rim.length * rim.length);
+    let area_of = |first: u32| areas[component[mesh.origin(first) as usize] as usize];
+    loops.retain(|boundary| area_of(boundary.sides[0]) > boundary.length * boundary.length);
 }
 
 /// Returns the edges of `mesh` whose ends are both origins of `sides`.
 fn edges_between<'a>(mesh: &Mesh, sides: impl Iterator<Item = &'a u32>) -> FxHashSet<[u32; 2]> {
-    let mut is_on_rim = vec![false; mesh.positions.len()];
-    sides.for_each(|&side| is_on_rim[mesh.origin(side) as usize] = true);
+    let mut is_on_loop = vec![false; mesh.positions.len()];
+    sides.for_each(|&side| is_on_loop[mesh.origin(side) as usize] = true);
     let all = (0..3 * mesh.triangles.len() as u32).map(|side| mesh.ends(side));
-    all.filter(|ends| ends.iter().all(|&v| is_on_rim[v as usize])).map(lower_first).collect()
+    all.filter(|ends| ends.iter().all(|&v| is_on_loop[v as usize])).map(lower_first).collect()
 }
 
 #[cfg(test)]
@@ -112,7 +114,7 @@ mod tests {
 
     const SPACING: f64 = 0.1;
 
-    /// Returns a sphere with a hole whose rim has the given length and `sides` sides, at least three.
+    /// Returns a sphere with a hole whose boundary has the given length and `sides` sides, at least three.
     fn with_hole(length: f64, sides: usize) -> Mesh {
         let mut mesh = sphere();
         let [a, b, c] = mesh.triangles.pop().unwrap();
@@ -126,7 +128,7 @@ mod tests {
             let (sin, cos) = (std::f64::consts::TAU * k as f64 / sides as f64).sin_cos();
             mesh.positions.push(centre + radius * (cos * along + sin * aside));
         }
-        // A strip between the corners and the rim.
+        // A strip between the corners and the hole.
         let (outer, mut at) = ([a, b, c], 0);
         for k in 0..sides as u32 {
             let [from, to] = [k, (k + 1) % sides as u32].map(|k| first + k);
