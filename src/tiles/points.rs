@@ -38,7 +38,8 @@ pub(super) fn blocks_of(bucket: IVec3) -> BlockBox {
     BlockBox { lo: BUCKET * bucket, hi: BUCKET * (bucket + 1) }
 }
 
-/// Returns the points of some blocks, of which each has `cells` cells along each axis. Any two of them are in the same order wherever they are read.
+/// Returns the points of some blocks, of which each has `cells` cells along each axis. Any two of them are in the same order
+/// wherever they are read.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) if they cannot be read; [`Error::Cancelled`](crate::Error::Cancelled) if the
@@ -109,9 +110,13 @@ fn thinned<'a>(
     kept.into_iter().map(|(_, (_, point, row))| (point, row)).collect()
 }
 
+/// Number of bits of a place of a cell in its bucket, along each axis.
+const BITS: u32 = 8;
+const _: () = assert!(BUCKET * FINE_CELLS <= 1 << BITS);
+
 /// Returns the place of a cell of a bucket along a Z-order curve.
 fn morton(cell: IVec3) -> u32 {
-    let spread = |x: i32| (0..8).fold(0, |sum, bit| sum | (x as u32 >> bit & 1) << (3 * bit));
+    let spread = |x: i32| (0..BITS).fold(0, |sum, bit| sum | (x as u32 >> bit & 1) << (3 * bit));
     spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
 }
 
@@ -125,5 +130,8 @@ mod tests {
             (0..128 * 128 * 128).map(|i| morton(IVec3::new(i % 128, i / 128 % 128, i / 16384))).collect();
         places.sort_unstable();
         assert!(places.into_iter().eq(0..128 * 128 * 128));
+        // With fine cells, a bucket has 256 of them along each axis.
+        let last = IVec3::splat(BUCKET * FINE_CELLS - 1);
+        assert_eq!([last, 128 * IVec3::Z, last - 128].map(morton), [(1 << 24) - 1, 1 << 23, (1 << 21) - 1]);
     }
 }
