@@ -19,10 +19,10 @@ pub(super) fn do_tiles(job: &Tiling) -> Result<Status> {
     match job {
         Tiling::Plan(job) => plan(job)?,
         Tiling::Sample { folder, numbers, run } => {
-            watched(run.voice, |monitor| sample_tiles(&TileFolder::at(folder)?, numbers, monitor))?;
+            watched(run.voice, |monitor| sample_tiles(&TileFolder::at(folder)?, numbers.as_deref(), monitor))?;
         }
         Tiling::Mesh { folder, numbers, run } => {
-            watched(run.voice, |monitor| mesh_pieces(&TileFolder::at(folder)?, numbers, monitor))?;
+            watched(run.voice, |monitor| mesh_pieces(&TileFolder::at(folder)?, numbers.as_deref(), monitor))?;
         }
         Tiling::Merge { folder, output, mesh: false, run } => join(folder, output, run)?,
         Tiling::Merge { folder, output, mesh: true, run } => return join_mesh(folder, output, run),

@@ -52,15 +52,15 @@ pub fn mesh_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> Re
     }
 }
 
-/// Makes the pieces with these numbers, one after the other; if `numbers` is empty, all that are not made yet.
+/// Makes the pieces with these numbers, one after the other; without numbers, all that are not made yet.
 ///
 /// # Errors
 /// Those of [`mesh_one`].
-pub fn mesh_pieces(folder: &TileFolder, numbers: &[usize], monitor: &dyn Monitor) -> Result<()> {
+pub fn mesh_pieces(folder: &TileFolder, numbers: Option<&[usize]>, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("mesh pieces");
     let all = rounds(&folder.plan()?).into_iter().flatten();
-    let missing = all.filter(|&number| !folder.has_piece(number)).collect();
-    one_by_one(numbers, missing, |number| mesh_one(folder, number, monitor), monitor)
+    let missing: Vec<usize> = all.filter(|&number| !folder.has_piece(number)).collect();
+    one_by_one(numbers.unwrap_or(&missing), |number| mesh_one(folder, number, monitor), monitor)
 }
 
 /// What is needed to make a piece.

@@ -26,13 +26,12 @@ pub fn sample_one(folder: &TileFolder, number: usize, monitor: &dyn Monitor) -> 
     folder.write_samples(number, samples)
 }
 
-/// Samples the tiles with these numbers, one after the other; if `numbers` is empty, all that are not sampled yet.
+/// Samples the tiles with these numbers, one after the other; without numbers, all that are not sampled yet.
 ///
 /// # Errors
 /// Those of [`sample_one`].
-pub fn sample_tiles(folder: &TileFolder, numbers: &[usize], monitor: &dyn Monitor) -> Result<()> {
+pub fn sample_tiles(folder: &TileFolder, numbers: Option<&[usize]>, monitor: &dyn Monitor) -> Result<()> {
     monitor.stage("sample tiles");
-    let all = 0..folder.plan()?.tiles.len();
-    let missing = all.filter(|&number| !folder.has_samples(number)).collect();
-    one_by_one(numbers, missing, |number| sample_one(folder, number, monitor), monitor)
+    let missing: Vec<usize> = (0..folder.plan()?.tiles.len()).filter(|&number| !folder.has_samples(number)).collect();
+    one_by_one(numbers.unwrap_or(&missing), |number| sample_one(folder, number, monitor), monitor)
 }

@@ -12,14 +12,8 @@ impl Monitor for OfTile<'_> {
     }
 }
 
-/// Runs `work` for each of `numbers`, or for all `missing` ones if `numbers` is empty.
-pub(super) fn one_by_one(
-    numbers: &[usize],
-    missing: Vec<usize>,
-    work: impl Fn(usize) -> Result<()>,
-    monitor: &dyn Monitor,
-) -> Result<()> {
-    let numbers = if numbers.is_empty() { &missing } else { numbers };
+/// Runs `work` for each of `numbers`.
+pub(super) fn one_by_one(numbers: &[usize], work: impl Fn(usize) -> Result<()>, monitor: &dyn Monitor) -> Result<()> {
     for (done, &number) in numbers.iter().enumerate() {
         check(monitor)?;
         work(number)?;

@@ -70,7 +70,7 @@ fn tiled(path: &Path, options: &PlanOptions) -> (Sampled, usize) {
     let work = tempfile::tempdir().unwrap();
     let folder = TileFolder::at(work.path()).unwrap();
     let plan = make_plan(path, None, &folder, options, &()).unwrap();
-    sample_tiles(&folder, &[], &()).unwrap();
+    sample_tiles(&folder, None, &()).unwrap();
     (Sampled { notes: Vec::new(), ..merge(&folder, &()).unwrap() }, plan.tiles.len())
 }
 
@@ -122,7 +122,7 @@ fn any_tiling_gives_the_same_sound_mesh() {
         let folder = TileFolder::at(work.path()).unwrap();
         let plan = make_plan(&path, None, &folder, &options(10_000, tiles), &()).unwrap();
         let made = |numbers: std::ops::Range<usize>| numbers.rev().try_for_each(|n| mesh_one(&folder, n, &()));
-        sample_tiles(&folder, &[], &()).unwrap();
+        sample_tiles(&folder, None, &()).unwrap();
         let mesh = with_threads(Some(threads), || {
             rounds(&plan).into_iter().try_for_each(made).unwrap();
             let mesh = merge_mesh(&folder).unwrap();
@@ -177,7 +177,7 @@ fn sharp_edges_stay_in_any_tiling() {
         let work = tempfile::tempdir().unwrap();
         let folder = TileFolder::at(work.path()).unwrap();
         let plan = make_plan(&path, None, &folder, &PlanOptions { sharp_edges, ..options(8_000, tiles) }, &()).unwrap();
-        sample_tiles(&folder, &[], &()).unwrap();
+        sample_tiles(&folder, None, &()).unwrap();
         let made = |numbers: std::ops::Range<usize>| numbers.rev().try_for_each(|n| mesh_one(&folder, n, &()));
         rounds(&plan).into_iter().try_for_each(made).unwrap();
         merge_mesh(&folder).unwrap()

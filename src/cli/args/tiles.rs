@@ -38,7 +38,7 @@ pub(super) enum TilesArgs {
         folder: PathBuf,
         /// Numbers of the tiles, from 0 [default: all that are not sampled yet]
         #[arg(value_name = "I")]
-        numbers: Vec<usize>,
+        numbers: Option<Vec<usize>>,
         #[command(flatten)]
         run: RunArgs,
     },
@@ -48,7 +48,7 @@ pub(super) enum TilesArgs {
         folder: PathBuf,
         /// Numbers of the pieces, from 0 [default: all that are not made yet]
         #[arg(value_name = "I")]
-        numbers: Vec<usize>,
+        numbers: Option<Vec<usize>>,
         #[command(flatten)]
         run: RunArgs,
     },
@@ -100,7 +100,7 @@ pub enum Tiling {
         /// The folder of the plan.
         folder: PathBuf,
         /// The numbers of the tiles.
-        numbers: Vec<usize>,
+        numbers: Option<Vec<usize>>,
         /// Settings of the run.
         run: Run,
     },
@@ -109,7 +109,7 @@ pub enum Tiling {
         /// The folder of the plan.
         folder: PathBuf,
         /// The numbers of the pieces.
-        numbers: Vec<usize>,
+        numbers: Option<Vec<usize>>,
         /// Settings of the run.
         run: Run,
     },

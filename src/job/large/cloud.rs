@@ -37,7 +37,7 @@ pub fn sample_in_tiles(file: &LargeFile, options: &SampleOptions, monitor: &dyn 
         return Ok(None);
     }
     let (workspace, folder) = planned(file, options, false, BYTES_OF_SAMPLE, monitor)?;
-    sample_tiles(&folder, &[], monitor)?;
+    sample_tiles(&folder, None, monitor)?;
     monitor.stage("merge");
     let sampled = merge(&folder, monitor)?;
     workspace.clear();
@@ -66,8 +66,8 @@ pub fn remesh_in_pieces(
         workspace.clear();
         return Ok(None);
     }
-    sample_tiles(&folder, &[], monitor)?;
-    mesh_pieces(&folder, &[], monitor)?;
+    sample_tiles(&folder, None, monitor)?;
+    mesh_pieces(&folder, None, monitor)?;
     let outcome = merge_pieces(&folder, &options.carry, format, monitor)?;
     workspace.clear();
     Ok(Some(outcome))
