@@ -10,8 +10,8 @@ use crate::io::opened::Opened;
 use crate::io::spill::{Chunk, SpillWriter};
 use crate::mesh::points::Points;
 use crate::pipeline::{
-    NormalNeighborhood, SMOOTHING_SUPPORT, SampleOptions, Survey, TileOptions, count_in_tile,
-    has_sharp_edges, survey, volume,
+    NormalNeighborhood, SMOOTHING_SUPPORT, SampleOptions, Survey, TileOptions, count_in_tile, has_sharp_edges, survey,
+    volume,
 };
 use crate::prepare::flatten::{Flatness, flatness};
 use crate::prepare::thin::{Thinned, Wanted};
