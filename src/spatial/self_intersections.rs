@@ -9,14 +9,16 @@
 //!
 //! Limits: n faces at the same position (copies in a soup) form n² pairs; these are only stored if pairs are requested.
 
+use crate::base::math;
 use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
-use crate::mesh::half_edge::{next, prev};
+use crate::mesh::half_edge::prev;
 use crate::mesh::topology::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
+use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Depth up to which faces count as touching, as a fraction of the diagonal of their mesh: coordinates in single precision
@@ -42,9 +44,9 @@ pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
     bvh.triangles_that_meet(mesh, |t, u| cross_deeper_than(depth, mesh.corners(t as usize), mesh.corners(u as usize)))
 }
 
-/// The faces of a mesh that pass through others, or with an edge that lies in another: two faces that share an edge, on
-/// different sides of a third face in which the edge lies. Taken pair by pair, these three only touch. Each face is tested
-/// when it is first asked for.
+/// The faces of a mesh that pass through others, pair by pair or along an edge: two faces that share an edge are on different
+/// sides of a third face in which the edge lies, or of two others that share an edge at the same place. Taken pair by pair,
+/// these faces only touch. Each face is tested when it is first asked for.
 pub struct PassingFaces {
     /// [`depth_of_contact`]
     depth: f64,
@@ -81,47 +83,88 @@ impl PassingFaces {
 fn passes_through_others(t: u32, mesh: &Mesh, bvh: &Bvh, across: impl Fn(u32) -> u32, depth: f64) -> bool {
     let around = Aabb::of_triangle(mesh.corners(t as usize));
     let wanted = Aabb { lo: around.lo - depth, hi: around.hi + depth };
-    let corner = |side: u32| mesh.positions[mesh.origin(side) as usize];
-    let side_lies_in = |side: u32, face: u32| {
+    let sides_of = |t: u32| (3 * t..3 * t + 3).filter(|&side| across(side) != NONE);
+    // Of the two sides of an edge always the first, so that it makes no difference which of its faces is asked for.
+    let edge = |side: u32| {
         let (side, other) = (side.min(across(side)), side.max(across(side)));
-        let tops = || [side, other].map(|side| corner(prev(side)));
-        other != NONE && lies_in(mesh.corners(face as usize), [corner(side), corner(next(side))], tops(), depth)
+        Edge {
+            ends: mesh.segment(side),
+            tops: [side, other].map(|side| mesh.positions[mesh.origin(prev(side)) as usize]),
+        }
     };
+    let own: Vec<(u32, Edge)> = sides_of(t).map(|side| (side, edge(side))).collect();
     bvh.any_in_box(mesh, &wanted, |u| {
         let [first, second] = [t.min(u), t.max(u)].map(|t| mesh.corners(t as usize));
-        let sides = |t: u32| 3 * t..3 * t + 3;
+        let passes_along = |(side, own): &(u32, Edge)| {
+            let others = || sides_of(u).filter(|&other| other != across(*side));
+            own.lies_in(mesh.corners(u as usize), depth) || others().any(|other| own.crosses(&edge(other), depth))
+        };
         t != u
             && (cross_deeper_than(depth, first, second)
-                || sides(t).any(|side| side_lies_in(side, u))
-                || sides(u).any(|side| side_lies_in(side, t)))
+                || own.iter().any(passes_along)
+                || sides_of(u).any(|side| edge(side).lies_in(mesh.corners(t as usize), depth)))
     })
 }
 
-/// Returns whether a part of an edge lies in a face, and the corners opposite the edge, `tops`, lie on different sides of
-/// that face, each deeper than `depth`.
-fn lies_in(face: [DVec3; 3], edge: [DVec3; 2], tops: [DVec3; 2], depth: f64) -> bool {
-    let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
-    let height = |p: DVec3| (p - face[0]).dot(normal);
-    let [above, below] = tops.map(height);
-    if above.abs() <= depth || above * below > -depth * depth || edge.into_iter().any(|p| height(p).abs() > depth) {
-        return false;
-    }
-    // The range of the edge that is on the inner side of all sides of the face.
-    let (mut from, mut to) = (0.0f64, 1.0f64);
-    for k in 0..3 {
-        let inwards = normal.cross(face[(k + 1) % 3] - face[k]).normalize_or_zero();
-        let [a, b] = edge.map(|p| (p - face[k]).dot(inwards) - depth);
-        if a < 0.0 && b < 0.0 {
+/// Edge with the corners opposite it in both of its faces.
+struct Edge {
+    ends: [DVec3; 2],
+    tops: [DVec3; 2],
+}
+
+impl Edge {
+    /// Returns whether a part of the edge lies in `face`, and the two faces are on different sides of that, both deeper than
+    /// `depth`.
+    fn lies_in(&self, face: [DVec3; 3], depth: f64) -> bool {
+        let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
+        let height = |p: DVec3| (p - face[0]).dot(normal);
+        let [above, below] = self.tops.map(height);
+        if above.abs() <= depth || above * below > -depth * depth || self.ends.iter().any(|&p| height(p).abs() > depth)
+        {
             return false;
         }
-        let crossing = a / (a - b);
-        if a < 0.0 {
-            from = from.max(crossing);
-        } else if b < 0.0 {
-            to = to.min(crossing);
+        // The range of the edge that is on the inner side of all sides of the face.
+        let (mut from, mut to) = (0.0f64, 1.0f64);
+        for k in 0..3 {
+            let inwards = normal.cross(face[(k + 1) % 3] - face[k]).normalize_or_zero();
+            let [a, b] = self.ends.map(|p| (p - face[k]).dot(inwards) - depth);
+            if a < 0.0 && b < 0.0 {
+                return false;
+            }
+            let crossing = a / (a - b);
+            if a < 0.0 {
+                from = from.max(crossing);
+            } else if b < 0.0 {
+                to = to.min(crossing);
+            }
         }
+        (to - from) * self.ends[0].distance(self.ends[1]) > depth
     }
-    (to - from) * edge[0].distance(edge[1]) > depth
+
+    /// Returns whether a part of the edge lies along `other`, and the faces of one and the other alternate around it, all
+    /// farther apart than `depth`.
+    fn crosses(&self, other: &Edge, depth: f64) -> bool {
+        let [start, end] = self.ends;
+        let (along, length) = ((end - start).normalize_or_zero(), start.distance(end));
+        let off_line = |p: DVec3| (p - start).reject_from_normalized(along);
+        if other.ends.iter().any(|&p| off_line(p).length_squared() > depth * depth) {
+            return false;
+        }
+        let [a, b] = other.ends.map(|p| (p - start).dot(along));
+        if a.max(b).min(length) - a.min(b).max(0.0) <= depth {
+            return false;
+        }
+        let ([first, second], tops) = (self.tops.map(off_line), other.tops.map(off_line));
+        let distance =
+            |p: DVec3, ray: DVec3| p.distance(ray.normalize_or_zero() * p.dot(ray.normalize_or_zero()).max(0.0));
+        let are_apart = || tops.iter().all(|&p| distance(p, first) > depth && distance(p, second) > depth);
+        let turn = |p: DVec3| {
+            let turn = math::atan2(first.cross(p).dot(along), first.dot(p));
+            if turn < 0.0 { turn + TAU } else { turn }
+        };
+        let is_between = |p: DVec3| turn(p) < turn(second);
+        is_between(tops[0]) != is_between(tops[1]) && are_apart()
+    }
 }
 
 /// The self-intersecting triangles of a surface. Near them, any mesh of the surface intersects itself, too.
@@ -159,6 +202,7 @@ mod tests {
     use super::*;
     use crate::base::rng::{Stage, stream, unit};
     use crate::mesh::topology::twins;
+    use std::f64::consts::PI;
 
     /// A band of `n` squares around the z axis, of radius 1 at the bottom and `top` at height 1.
     fn band(n: u32, top: f64) -> Mesh {
@@ -203,6 +247,26 @@ mod tests {
         let mut beside = folded([1.0, -1.0]);
         beside.positions[3..].iter_mut().for_each(|p| *p += 20.0 * DVec3::X);
         assert!(passing(&beside).is_empty());
+    }
+
+    #[test]
+    fn sheets_that_cross_along_edges_pass_through_each_other_and_those_that_touch_there_do_not() {
+        // Two sheets of two triangles, each bent along the x axis or a part of it.
+        let bent = |from: f64, to: f64, turns: [f64; 2]| {
+            let top = |turn: f64| DVec3::new(0.5, turn.cos(), turn.sin());
+            [DVec3::X * from, DVec3::X * to, top(turns[0]), top(turns[1])]
+        };
+        let passing = |one: [DVec3; 4], other: [DVec3; 4]| {
+            let positions = one.into_iter().chain(other).collect();
+            let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [4, 5, 6], [5, 4, 7]] };
+            let (passing, bvh, twin) = (PassingFaces::new(&mesh), Bvh::new(&mesh), twins(&mesh.triangles));
+            (0..4).filter(|&t| passing.has(t, &mesh, &bvh, |side| twin[side as usize])).count()
+        };
+        let level = bent(0.0, 1.0, [0.0, PI]);
+        assert_eq!(passing(level, bent(0.0, 1.0, [0.5 * PI, 1.5 * PI])), 4);
+        assert_eq!(passing(level, bent(0.5, 1.5, [0.2 * PI, 1.1 * PI])), 4);
+        assert_eq!(passing(level, bent(0.0, 1.0, [0.3 * PI, 0.6 * PI])), 0);
+        assert_eq!(passing(level, bent(1.0, 2.0, [0.5 * PI, 1.5 * PI])), 0);
     }
 
     #[test]
