@@ -28,6 +28,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Maximum number of triangles in a leaf. Fewer mean more box tests, more mean more triangle tests.
 const LEAF: usize = 4;
 
+/// Number of levels below the root of a block.
+const LEVELS_OF_BLOCK: u32 = 6;
+
 /// Subtrees with fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
 const PARALLEL_ABOVE: usize = 4096;
 
@@ -233,6 +236,33 @@ impl Bvh {
 
     /// Returns whether `accept` holds for any triangle whose bounding box meets the box `wanted`; touching counts.
     pub fn any_in_box(&self, mesh: &Mesh, wanted: &Aabb, mut accept: impl FnMut(u32) -> bool) -> bool {
+        self.any_node_in_box(self.depth, wanted, |leaf| {
+            self.node(self.depth, leaf).iter().any(|&t| box_of(mesh, t).meets(wanted) && accept(t))
+        })
+    }
+
+    /// Number of blocks: groups of a few hundred triangles, or all of fewer.
+    pub fn blocks(&self) -> usize {
+        1 << self.level_of_blocks()
+    }
+
+    /// Triangles of a block.
+    pub fn block(&self, block: usize) -> &[u32] {
+        self.node(self.level_of_blocks(), block)
+    }
+
+    /// Returns whether `accept` holds for any block whose bounding box meets the box `wanted`; touching counts.
+    pub fn any_block_in_box(&self, wanted: &Aabb, accept: impl FnMut(usize) -> bool) -> bool {
+        self.any_node_in_box(self.level_of_blocks(), wanted, accept)
+    }
+
+    fn level_of_blocks(&self) -> u32 {
+        self.depth.saturating_sub(LEVELS_OF_BLOCK)
+    }
+
+    /// Returns whether `accept` holds for the place of any node of `level` whose box meets the box `wanted`.
+    fn any_node_in_box(&self, level: u32, wanted: &Aabb, mut accept: impl FnMut(usize) -> bool) -> bool {
+        let first = (1u32 << level) - 1;
         let mut aside = [0u32; DEEPEST];
         let mut waiting = 1;
         while waiting > 0 {
@@ -241,8 +271,8 @@ impl Bvh {
             if !self.boxes[node as usize].meets(wanted) {
                 continue;
             }
-            if self.is_leaf(node) {
-                if self.leaf(node).iter().any(|&t| box_of(mesh, t).meets(wanted) && accept(t)) {
+            if node >= first {
+                if accept((node - first) as usize) {
                     return true;
                 }
             } else {
@@ -336,8 +366,14 @@ impl Bvh {
 
     #[inline]
     fn leaf(&self, node: u32) -> &[u32] {
+        self.node(self.depth, node as usize + 1 - (1 << self.depth))
+    }
+
+    /// Returns the triangles of the node at `place` of `level`.
+    #[inline]
+    fn node(&self, level: u32, place: usize) -> &[u32] {
         let tree = Tree { count: self.order.len(), depth: self.depth };
-        &self.order[tree.range(self.depth, node as usize + 1 - (1 << self.depth))]
+        &self.order[tree.range(level, place)]
     }
 }
 

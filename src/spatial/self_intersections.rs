@@ -10,6 +10,7 @@
 //! Limits: n faces at the same position (copies in a soup) form n² pairs; these are only stored if pairs are requested.
 
 use crate::base::math;
+use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::geom::intersection::cross_deeper_than;
 use crate::geom::triangle::longest_side;
@@ -19,7 +20,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use glam::DVec3;
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::OnceLock;
 
 /// Depth up to which faces count as touching, as a fraction of the diagonal of their mesh: coordinates in single precision
 /// are off by up to a tenth of it.
@@ -46,37 +47,45 @@ pub fn self_intersections(mesh: &Mesh) -> Vec<u32> {
 
 /// The faces of a mesh that pass through others, pair by pair or along an edge: two faces that share an edge are on different
 /// sides of a third face in which the edge lies, or of two others that share an edge at the same place. Taken pair by pair,
-/// these faces only touch. Each face is tested when it is first asked for.
+/// these faces only touch. They are found block by block of the hierarchy over the mesh, when the block is first asked for.
+///
+/// Each call takes the same mesh, the same hierarchy over it, and the same function, which gives the twin of each side, or
+/// [`NONE`].
 pub struct PassingFaces {
     /// [`depth_of_contact`]
     depth: f64,
-    known: Vec<AtomicU8>,
+    of_block: Vec<OnceLock<Vec<u32>>>,
 }
 
-/// States of a face.
-const UNKNOWN: u8 = 0;
-const PASSES: u8 = 1;
-const PASSES_NOT: u8 = 2;
-
 impl PassingFaces {
-    /// Those of `mesh`, of which none has been tested.
-    pub fn new(mesh: &Mesh) -> PassingFaces {
-        let known = mesh.triangles.iter().map(|_| AtomicU8::new(UNKNOWN)).collect();
-        PassingFaces { depth: depth_of_contact(mesh), known }
+    /// Those of `mesh`, of which none has been found yet.
+    pub fn new(mesh: &Mesh, bvh: &Bvh) -> PassingFaces {
+        PassingFaces { depth: depth_of_contact(mesh), of_block: vec![OnceLock::new(); bvh.blocks()] }
     }
 
-    /// Returns whether face `t` is one of them. `bvh` is the hierarchy over `mesh`, and `across` gives the twin of each
-    /// side, or [`NONE`]; these must be the same in each call.
-    pub fn has(&self, t: u32, mesh: &Mesh, bvh: &Bvh, across: impl Fn(u32) -> u32) -> bool {
-        let known = &self.known[t as usize];
-        match known.load(Ordering::Relaxed) {
-            UNKNOWN => {
-                let passes = passes_through_others(t, mesh, bvh, across, self.depth);
-                known.store(if passes { PASSES } else { PASSES_NOT }, Ordering::Relaxed);
-                passes
-            }
-            state => state == PASSES,
-        }
+    /// Returns all of them, in increasing order.
+    pub fn all(&self, mesh: &Mesh, bvh: &Bvh, across: impl Fn(u32) -> u32 + Sync) -> Vec<u32> {
+        let of_blocks = parallel::each(0..self.of_block.len(), |block| self.of_block(block, mesh, bvh, &across));
+        let mut faces = of_blocks.concat();
+        faces.sort_unstable();
+        faces
+    }
+
+    /// Returns whether `accept` holds for one of those in the blocks that meet the box `wanted`.
+    pub fn any_near(
+        &self,
+        wanted: &Aabb,
+        mesh: &Mesh,
+        bvh: &Bvh,
+        across: impl Fn(u32) -> u32,
+        accept: impl Fn(u32) -> bool,
+    ) -> bool {
+        bvh.any_block_in_box(wanted, |block| self.of_block(block, mesh, bvh, &across).iter().any(|&t| accept(t)))
+    }
+
+    fn of_block(&self, block: usize, mesh: &Mesh, bvh: &Bvh, across: &impl Fn(u32) -> u32) -> &[u32] {
+        let passes = |&t: &u32| passes_through_others(t, mesh, bvh, across, self.depth);
+        self.of_block[block].get_or_init(|| bvh.block(block).iter().copied().filter(passes).collect())
     }
 }
 
@@ -216,6 +225,11 @@ mod tests {
         Mesh { positions, triangles }
     }
 
+    fn all_passing(mesh: &Mesh) -> Vec<u32> {
+        let (twin, bvh) = (twins(&mesh.triangles), Bvh::new(mesh));
+        PassingFaces::new(mesh, &bvh).all(mesh, &bvh, |side| twin[side as usize])
+    }
+
     #[test]
     fn a_surface_does_not_cross_itself_and_a_tangled_one_does() {
         assert!(self_intersections(&band(100, 1.0)).is_empty());
@@ -234,19 +248,13 @@ mod tests {
             let triangles = vec![[0, 1, 2], [3, 4, 5], [4, 3, 6]];
             Mesh { positions: corners.map(DVec3::from).to_vec(), triangles }
         };
-        let passing = |mesh: &Mesh| {
-            let twin = twins(&mesh.triangles);
-            let (passing, bvh) = (PassingFaces::new(mesh), Bvh::new(mesh));
-            let has = |&t: &u32| passing.has(t, mesh, &bvh, |side| twin[side as usize]);
-            (0..mesh.triangles.len() as u32).filter(has).collect::<Vec<u32>>()
-        };
         assert!(self_intersections(&folded([1.0, -1.0])).is_empty());
-        assert_eq!(passing(&folded([1.0, -1.0])), [0, 1, 2]);
-        assert!(passing(&folded([1.0, 1.0])).is_empty());
-        assert!(passing(&folded([1.0, 1e-9])).is_empty());
+        assert_eq!(all_passing(&folded([1.0, -1.0])), [0, 1, 2]);
+        assert!(all_passing(&folded([1.0, 1.0])).is_empty());
+        assert!(all_passing(&folded([1.0, 1e-9])).is_empty());
         let mut beside = folded([1.0, -1.0]);
         beside.positions[3..].iter_mut().for_each(|p| *p += 20.0 * DVec3::X);
-        assert!(passing(&beside).is_empty());
+        assert!(all_passing(&beside).is_empty());
     }
 
     #[test]
@@ -259,8 +267,7 @@ mod tests {
         let passing = |one: [DVec3; 4], other: [DVec3; 4]| {
             let positions = one.into_iter().chain(other).collect();
             let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [4, 5, 6], [5, 4, 7]] };
-            let (passing, bvh, twin) = (PassingFaces::new(&mesh), Bvh::new(&mesh), twins(&mesh.triangles));
-            (0..4).filter(|&t| passing.has(t, &mesh, &bvh, |side| twin[side as usize])).count()
+            all_passing(&mesh).len()
         };
         let level = bent(0.0, 1.0, [0.0, PI]);
         assert_eq!(passing(level, bent(0.0, 1.0, [0.5 * PI, 1.5 * PI])), 4);
@@ -305,12 +312,8 @@ mod tests {
             assert!(expected.len() > 10);
             let bvh = Bvh::new(&mesh);
             assert_eq!(self_intersecting_pairs(&mesh, &bvh), expected);
-            let passing = PassingFaces::new(&mesh);
-            // The second time, the answers are known.
-            for _ in 0..2 {
-                let found: Vec<u32> = (0..count).filter(|&t| passing.has(t, &mesh, &bvh, |_| NONE)).collect();
-                assert_eq!(found, faces_of(expected.clone()));
-            }
+            let passing = PassingFaces::new(&mesh, &bvh);
+            assert_eq!(passing.all(&mesh, &bvh, |_| NONE), faces_of(expected));
         }
     }
 

@@ -115,7 +115,7 @@ impl Domain {
         let Cut { mesh, twin, across, original } = cut;
         let patch = components(mesh.positions.len(), &mesh.triangles);
         let patches = Groups::new((&mesh, &bvh), component_count(&patch), |t| patch[mesh.origin(3 * t) as usize]);
-        let (sizes, passing) = (Vec::new(), PassingFaces::new(&mesh));
+        let (sizes, passing) = (Vec::new(), PassingFaces::new(&mesh, &bvh));
         Domain {
             mesh,
             twin,

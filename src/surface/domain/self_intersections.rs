@@ -1,6 +1,5 @@
 //! Where the surface intersects itself, searched only around the places that are asked for.
 
-use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle::{closest_point, longest_side};
 use crate::mesh::topology::NONE;
@@ -8,11 +7,9 @@ use crate::surface::domain::Domain;
 use glam::DVec3;
 
 impl Domain {
-    /// Returns the triangles that pass through others, pair by pair or with an edge that lies in one, in increasing order.
+    /// Returns the triangles that pass through others, pair by pair or along an edge, in increasing order.
     pub fn self_intersections(&self) -> Vec<u32> {
-        parallel::collect(0..self.mesh.triangles.len() as u32, |triangles| {
-            triangles.filter(|&t| self.passes_through_others(t)).collect::<Vec<u32>>()
-        })
+        self.passing.all(&self.mesh, &self.bvh, |side| self.other_side(side))
     }
 
     /// Returns whether one of [`Self::self_intersections`] is at most the longest side of `triangle` away from its centre.
@@ -22,14 +19,15 @@ impl Domain {
         let is_near =
             |t: u32| closest_point(middle, self.mesh.corners(t as usize)).distance_squared(middle) <= length * length;
         let wanted = Aabb { lo: middle - length, hi: middle + length };
-        self.bvh.any_in_box(&self.mesh, &wanted, |t| is_near(t) && self.passes_through_others(t))
+        self.passing.any_near(&wanted, &self.mesh, &self.bvh, |side| self.other_side(side), is_near)
     }
 
-    fn passes_through_others(&self, t: u32) -> bool {
-        self.passing.has(t, &self.mesh, &self.bvh, |side| match self.twin[side as usize] {
+    /// Returns the opposite side of `side`, also across a sharp edge.
+    fn other_side(&self, side: u32) -> u32 {
+        match self.twin[side as usize] {
             NONE => self.across.get(side),
             twin => twin,
-        })
+        }
     }
 }
 
