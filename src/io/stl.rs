@@ -19,6 +19,11 @@ use std::io::{self, Write};
 pub(super) const HEADER: usize = 84;
 /// Size of a normal, three corners and two attribute bytes.
 pub(super) const FACET: usize = 50;
+
+/// U+FFFD in UTF-8, and the number of bytes of which one such character shows that a file was converted: of random bytes, one
+/// in sixteen million is the beginning of it.
+const REPLACEMENT: &[u8] = "\u{fffd}".as_bytes();
+const FEWEST_BETWEEN: usize = 100;
 /// Number of leading bytes that are searched for a zero byte. They include the facet count, whose high byte is zero in all
 /// files below 800 MB.
 const PROBE: usize = 512;
@@ -41,12 +46,22 @@ fn has_exact_size(bytes: &[u8]) -> bool {
     u32_at(bytes, HEADER - 4).is_some_and(|count| HEADER as u64 + FACET as u64 * u64::from(count) == bytes.len() as u64)
 }
 
+/// Returns whether bytes that are no text were replaced by the character that stands for such in UTF-8.
+fn was_taken_for_text(bytes: &[u8]) -> bool {
+    let replaced = bytes.windows(REPLACEMENT.len()).filter(|window| *window == REPLACEMENT).count();
+    FEWEST_BETWEEN * replaced > bytes.len()
+}
+
 fn parse_binary(bytes: &[u8]) -> Parsed {
     let end = Place::Byte(bytes.len());
     let Some(count) = u32_at(bytes, HEADER - 4) else {
         let cause = "neither an ASCII STL file (no 'solid') nor long enough for the header of a binary one";
         return Err(malformed(end, cause, "check that this is a complete STL file"));
     };
+    if !has_exact_size(bytes) && was_taken_for_text(bytes) {
+        let cause = "a program took this binary file for text when it copied it, and replaced what is none";
+        return Err(malformed(Place::Whole, cause, "copy the original file again, as binary data"));
+    }
     let whole = (bytes.len() - HEADER) / FACET;
     let count = count as usize;
     if count > whole {
@@ -334,6 +349,13 @@ mod tests {
         let (mesh, notes) = parse(&bytes).unwrap();
         assert_eq!(mesh.triangles.len(), 4);
         assert_eq!(notes, ["7 bytes after the last of 4 facets are left out"]);
+    }
+
+    #[test]
+    fn a_file_that_was_taken_for_text_is_refused() {
+        let taken = String::from_utf8_lossy(&binary()).into_owned();
+        let (place, cause) = fault(parse(taken.as_bytes()));
+        assert!(place == Place::Whole && cause.contains("took this binary file for text"), "{cause}");
     }
 
     #[test]
