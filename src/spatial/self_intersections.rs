@@ -90,29 +90,61 @@ impl PassingFaces {
 }
 
 fn passes_through_others(t: u32, mesh: &Mesh, bvh: &Bvh, across: impl Fn(u32) -> u32, depth: f64) -> bool {
-    let around = Aabb::of_triangle(mesh.corners(t as usize));
+    let own = Face::new(mesh.corners(t as usize));
+    let around = Aabb::of_triangle(own.corners);
     let wanted = Aabb { lo: around.lo - depth, hi: around.hi + depth };
-    let sides_of = |t: u32| (3 * t..3 * t + 3).filter(|&side| across(side) != NONE);
     // Of the two sides of an edge always the first, so that it makes no difference which of its faces is asked for.
     let edge = |side: u32| {
-        let (side, other) = (side.min(across(side)), side.max(across(side)));
-        Edge {
-            ends: mesh.segment(side),
-            tops: [side, other].map(|side| mesh.positions[mesh.origin(prev(side)) as usize]),
-        }
+        let other = across(side);
+        let (side, other) = (side.min(other), side.max(other));
+        let tops = || [side, other].map(|side| mesh.positions[mesh.origin(prev(side)) as usize]);
+        (other != NONE).then(|| Edge { ends: mesh.segment(side), tops: tops() })
     };
-    let own: Vec<(u32, Edge)> = sides_of(t).map(|side| (side, edge(side))).collect();
+    let edges = [0, 1, 2].map(|k| edge(3 * t + k));
+    let is_flat = edges.iter().flatten().all(|edge| edge.tops.iter().all(|&p| own.height(p).abs() <= depth));
     bvh.any_in_box(mesh, &wanted, |u| {
-        let [first, second] = [t.min(u), t.max(u)].map(|t| mesh.corners(t as usize));
-        let passes_along = |(side, own): &(u32, Edge)| {
-            let others = || sides_of(u).filter(|&other| other != across(*side));
-            own.lies_in(mesh.corners(u as usize), depth) || others().any(|other| own.crosses(&edge(other), depth))
+        if t == u {
+            return false;
+        }
+        let other = Face::new(mesh.corners(u as usize));
+        let (first, second) = if t < u { (&own, &other) } else { (&other, &own) };
+        if cross_deeper_than(depth, first.corners, second.corners) {
+            return true;
+        }
+        let is_near = other.corners.map(|p| own.height(p).abs() <= depth);
+        if is_flat && is_near == [true; 3] {
+            return false;
+        }
+        let lies_in_own = |k: usize| {
+            let may_lie = is_near[k] && is_near[(k + 1) % 3];
+            may_lie && edge(3 * u + k as u32).is_some_and(|edge| edge.lies_in(&own, depth))
         };
-        t != u
-            && (cross_deeper_than(depth, first, second)
-                || own.iter().any(passes_along)
-                || sides_of(u).any(|side| edge(side).lies_in(mesh.corners(t as usize), depth)))
+        let is_crossed = |mine: &Edge, k: usize| {
+            let ends = [other.corners[k], other.corners[(k + 1) % 3]];
+            let side = 3 * u + k as u32;
+            // The edge itself, seen from the other face, does not alternate: its faces are the same.
+            mine.lies_along(ends, depth) && edge(side).is_some_and(|edge| mine.alternates(&edge, depth))
+        };
+        (0..3).any(lies_in_own)
+            || edges.iter().flatten().any(|edge| edge.lies_in(&other, depth) || (0..3).any(|k| is_crossed(edge, k)))
     })
+}
+
+/// A face and its unit normal.
+struct Face {
+    corners: [DVec3; 3],
+    normal: DVec3,
+}
+
+impl Face {
+    fn new(corners: [DVec3; 3]) -> Face {
+        let [a, b, c] = corners;
+        Face { corners, normal: (b - a).cross(c - a).normalize_or_zero() }
+    }
+
+    fn height(&self, p: DVec3) -> f64 {
+        (p - self.corners[0]).dot(self.normal)
+    }
 }
 
 /// Edge with the corners opposite it in both of its faces.
@@ -124,19 +156,20 @@ struct Edge {
 impl Edge {
     /// Returns whether a part of the edge lies in `face`, and the two faces are on different sides of that, both deeper than
     /// `depth`.
-    fn lies_in(&self, face: [DVec3; 3], depth: f64) -> bool {
-        let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
-        let height = |p: DVec3| (p - face[0]).dot(normal);
-        let [above, below] = self.tops.map(height);
-        if above.abs() <= depth || above * below > -depth * depth || self.ends.iter().any(|&p| height(p).abs() > depth)
-        {
+    fn lies_in(&self, face: &Face, depth: f64) -> bool {
+        if self.ends.iter().any(|&p| face.height(p).abs() > depth) {
+            return false;
+        }
+        let [above, below] = self.tops.map(|p| face.height(p));
+        if above.abs() <= depth || above * below > -depth * depth {
             return false;
         }
         // The range of the edge that is on the inner side of all sides of the face.
         let (mut from, mut to) = (0.0f64, 1.0f64);
         for k in 0..3 {
-            let inwards = normal.cross(face[(k + 1) % 3] - face[k]).normalize_or_zero();
-            let [a, b] = self.ends.map(|p| (p - face[k]).dot(inwards) - depth);
+            let [start, end] = [face.corners[k], face.corners[(k + 1) % 3]];
+            let inwards = face.normal.cross(end - start).normalize_or_zero();
+            let [a, b] = self.ends.map(|p| (p - start).dot(inwards) - depth);
             if a < 0.0 && b < 0.0 {
                 return false;
             }
@@ -150,22 +183,31 @@ impl Edge {
         (to - from) * self.ends[0].distance(self.ends[1]) > depth
     }
 
-    /// Returns whether a part of the edge lies along `other`, and the faces of one and the other alternate around it, all
-    /// farther apart than `depth`.
-    fn crosses(&self, other: &Edge, depth: f64) -> bool {
+    /// Returns whether a part of the edge lies along one with these `ends`.
+    fn lies_along(&self, ends: [DVec3; 2], depth: f64) -> bool {
         let [start, end] = self.ends;
-        let (along, length) = ((end - start).normalize_or_zero(), start.distance(end));
+        let along = end - start;
+        let length_squared = along.length_squared();
+        let is_off = |p: DVec3| (p - start).cross(along).length_squared() > depth * depth * length_squared;
+        if ends.into_iter().any(is_off) {
+            return false;
+        }
+        let length = length_squared.sqrt();
+        let [a, b] = ends.map(|p| (p - start).dot(along) / length);
+        a.max(b).min(length) - a.min(b).max(0.0) > depth
+    }
+
+    /// Returns whether the faces of the edge and of `other`, which lies along it, alternate around it, all farther apart than
+    /// `depth`.
+    fn alternates(&self, other: &Edge, depth: f64) -> bool {
+        let [start, end] = self.ends;
+        let along = (end - start).normalize_or_zero();
         let off_line = |p: DVec3| (p - start).reject_from_normalized(along);
-        if other.ends.iter().any(|&p| off_line(p).length_squared() > depth * depth) {
-            return false;
-        }
-        let [a, b] = other.ends.map(|p| (p - start).dot(along));
-        if a.max(b).min(length) - a.min(b).max(0.0) <= depth {
-            return false;
-        }
         let ([first, second], tops) = (self.tops.map(off_line), other.tops.map(off_line));
-        let distance =
-            |p: DVec3, ray: DVec3| p.distance(ray.normalize_or_zero() * p.dot(ray.normalize_or_zero()).max(0.0));
+        let distance = |p: DVec3, ray: DVec3| {
+            let ray = ray.normalize_or_zero();
+            p.distance(ray * p.dot(ray).max(0.0))
+        };
         let are_apart = || tops.iter().all(|&p| distance(p, first) > depth && distance(p, second) > depth);
         let turn = |p: DVec3| {
             let turn = math::atan2(first.cross(p).dot(along), first.dot(p));
