@@ -16,7 +16,6 @@ use crate::pipeline::cloud::options::{
     CloudOptions, FEW_NEIGHBORS, INTERPOLATING_SUPPORT, NormalFit, NormalNeighborhood, SMOOTHING_SUPPORT,
 };
 use crate::pipeline::cloud::summary::CloudSummary;
-use crate::pipeline::input_checks::refuse_bad_positions;
 use crate::prepare::clean::{are_neighbors, merged};
 use crate::prepare::cloud_normals::{MANY_NEIGHBORS, Neighborhood, plane_normals, sphere_normals};
 use crate::prepare::flatten::{Flatness, flatness, flattened};
@@ -106,7 +105,6 @@ impl Cleaned {
     /// # Errors
     /// [`Error::Mesh`] for points with bad numbers or without an area; [`Error::Cancelled`] if the monitor asks for it.
     pub fn of(points: &Points, summary: &mut CloudSummary, monitor: &dyn Monitor) -> Result<Cleaned> {
-        refuse_bad_positions(points.positions())?;
         let (points, source) = merged(points);
         summary.duplicates = summary.points - points.positions().len();
         refuse_without_surface(points.positions())?;
@@ -236,6 +234,9 @@ pub(in crate::pipeline) fn no_surface(points: usize) -> Error {
 fn refuse_without_surface(positions: &[DVec3]) -> Result<()> {
     let refuse =
         |fault, cause: String| Err(Error::Mesh { fault, cause, remedy: "give points spread over a surface".into() });
+    if let Some(p) = positions.iter().position(|p| !p.is_finite()) {
+        return refuse(Fault::Coordinates, format!("point {p} is at {}, which is not finite", positions[p]));
+    }
     let n = positions.len();
     if n == 1 {
         return refuse(Fault::NoArea, "all points are at the same position".into());
