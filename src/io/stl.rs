@@ -19,11 +19,10 @@ use std::io::{self, Write};
 pub(super) const HEADER: usize = 84;
 /// Size of a normal, three corners and two attribute bytes.
 pub(super) const FACET: usize = 50;
-
-/// U+FFFD in UTF-8, and the number of bytes of which one such character shows that a file was converted: of random bytes, one
-/// in sixteen million is the beginning of it.
+/// U+FFFD in UTF-8, which stands for what is no text, and the maximum number of bytes for each of them in a binary file that was
+/// copied as text. In other files there is one in sixteen million bytes.
 const REPLACEMENT: &[u8] = "\u{fffd}".as_bytes();
-const FEWEST_BETWEEN: usize = 100;
+const BYTES_PER_REPLACEMENT: usize = 100;
 /// Number of leading bytes that are searched for a zero byte. They include the facet count, whose high byte is zero in all
 /// files below 800 MB.
 const PROBE: usize = 512;
@@ -46,10 +45,10 @@ fn has_exact_size(bytes: &[u8]) -> bool {
     u32_at(bytes, HEADER - 4).is_some_and(|count| HEADER as u64 + FACET as u64 * u64::from(count) == bytes.len() as u64)
 }
 
-/// Returns whether bytes that are no text were replaced by the character that stands for such in UTF-8.
-fn was_taken_for_text(bytes: &[u8]) -> bool {
+/// Returns whether many bytes that are no text were replaced.
+fn was_copied_as_text(bytes: &[u8]) -> bool {
     let replaced = bytes.windows(REPLACEMENT.len()).filter(|window| *window == REPLACEMENT).count();
-    FEWEST_BETWEEN * replaced > bytes.len()
+    BYTES_PER_REPLACEMENT * replaced > bytes.len()
 }
 
 fn parse_binary(bytes: &[u8]) -> Parsed {
@@ -58,9 +57,9 @@ fn parse_binary(bytes: &[u8]) -> Parsed {
         let cause = "neither an ASCII STL file (no 'solid') nor long enough for the header of a binary one";
         return Err(malformed(end, cause, "check that this is a complete STL file"));
     };
-    if !has_exact_size(bytes) && was_taken_for_text(bytes) {
-        let cause = "a program took this binary file for text when it copied it, and replaced what is none";
-        return Err(malformed(Place::Whole, cause, "copy the original file again, as binary data"));
+    if !has_exact_size(bytes) && was_copied_as_text(bytes) {
+        let cause = "the binary file was copied as if it were text, which replaced many of its bytes";
+        return Err(malformed(Place::Whole, cause, "copy the original again as binary data"));
     }
     let whole = (bytes.len() - HEADER) / FACET;
     let count = count as usize;
@@ -352,10 +351,10 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_was_taken_for_text_is_refused() {
-        let taken = String::from_utf8_lossy(&binary()).into_owned();
-        let (place, cause) = fault(parse(taken.as_bytes()));
-        assert!(place == Place::Whole && cause.contains("took this binary file for text"), "{cause}");
+    fn a_file_that_was_copied_as_text_is_refused() {
+        let copied = String::from_utf8_lossy(&binary()).into_owned();
+        let (place, cause) = fault(parse(copied.as_bytes()));
+        assert!(place == Place::Whole && cause.contains("copied as if it were text"), "{cause}");
     }
 
     #[test]

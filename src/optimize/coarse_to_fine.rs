@@ -144,9 +144,8 @@ fn beside_interface(mesh: &Manifold) -> VertexSet {
 
 /// Returns the vertices in patches that are too narrow for a coarser mesh, and those on the curves around them.
 pub fn narrow(domain: &Domain, mesh: &Manifold, spacing: f64) -> VertexSet {
-    let narrow: Vec<bool> = domain.widths().into_iter().map(|width| width < NARROW * spacing).collect();
     let c = &mesh.connectivity;
-    let own = |v: u32| narrow[domain.patch_of(mesh.sample(v).triangle) as usize];
+    let own = |v: u32| domain.widths()[domain.patch_of(mesh.sample(v).triangle) as usize] < NARROW * spacing;
     let is_narrow = |v: u32| own(v) || c.is_on_curve(v) && c.ring(v).any(|w| !c.is_on_curve(w) && own(w));
     VertexSet::new(mesh, is_narrow)
 }
@@ -198,6 +197,9 @@ pub fn split_to(domain: &Domain, mesh: &mut Manifold, wanted: usize) -> Vec<u32>
 /// Returns the vertices to be ordered anew once the edges around the `dense` vertices have been split: these and a few rings
 /// around them, except tips and narrow patches, which have been ordered as a whole.
 pub fn transition(domain: &Domain, mesh: &Manifold, dense: VertexSet, spacing: f64) -> VertexSet {
+    if dense.is_empty() {
+        return dense;
+    }
     let around = dense.with_rings(mesh, RINGS_OF_TRANSITION);
     let arranged = &narrow(domain, mesh, spacing) | &tips(mesh);
     VertexSet::new(mesh, |v| around.contains(v) && !arranged.contains(v))

@@ -18,7 +18,7 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::prepare::welded::Welded;
 
 /// Returns, for each triangle, whether it lies between two cells of a volume; `None` if the triangles are not such a volume.
-/// `sides` are the [`sorted_sides`] of all triangles, none of which may have a corner twice.
+/// `sides` are the [`sorted_sides`](crate::mesh::sides::sorted_sides) of all triangles, none of which may have a corner twice.
 pub(super) fn faces_between_cells(triangles: &[[u32; 3]], sides: &[Side]) -> Option<Vec<bool>> {
     let mut between = vec![false; triangles.len()];
     for group in coincident(triangles, sides) {

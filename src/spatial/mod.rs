@@ -6,4 +6,5 @@ pub mod groups;
 pub mod kdtree;
 pub mod knn_graph;
 pub mod order;
+pub mod passing_faces;
 pub mod self_intersections;

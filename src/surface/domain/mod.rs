@@ -16,13 +16,14 @@ use crate::mesh::topology::{NONE, component_count, components, twins};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::spatial::bvh::Bvh;
 use crate::spatial::groups::Groups;
-use crate::spatial::self_intersections::PassingFaces;
+use crate::spatial::passing_faces::PassingFaces;
 use crate::surface::dihedral_angles::{folded_over, trusted_normal};
 use crate::surface::feature_curves::Curves;
 use crate::surface::features::{Features, sharp_sides};
 use crate::surface::planes::Planes;
 use crate::surface::spikes::spikes;
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +69,8 @@ pub struct Domain {
     in_contact: Vec<bool>,
     /// A side that leaves the end of each spike; empty before these were searched.
     spikes: Vec<u32>,
+    /// See [`Self::widths`].
+    widths: OnceLock<Vec<f64>>,
     /// Triangles that pass through others.
     passing: PassingFaces,
 }
@@ -132,6 +135,7 @@ impl Domain {
             bvh,
             in_contact: Vec::new(),
             spikes: Vec::new(),
+            widths: OnceLock::new(),
             passing,
         }
     }
@@ -241,8 +245,12 @@ impl Domain {
 
     /// Width of each patch, by its index: twice its area over the length of its boundary, which is exact for a long strip;
     /// infinite for a closed one.
-    pub fn widths(&self) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0.0); self.mesh.positions.len()];
+    pub fn widths(&self) -> &[f64] {
+        self.widths.get_or_init(|| self.compute_widths())
+    }
+
+    fn compute_widths(&self) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.patch_count()];
         for t in 0..self.mesh.triangles.len() {
             let corners = self.mesh.corners(t);
             let (area, length) = &mut sums[self.patch_of(t as u32) as usize];

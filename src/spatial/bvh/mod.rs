@@ -15,24 +15,20 @@
 //! Limits: medians ignore areas, so triangles of very different sizes lead to more overlap than with a surface-area
 //! heuristic.
 
+mod tree;
+
 use crate::base::parallel;
 use crate::geom::aabb::Aabb;
 use crate::geom::triangle;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::spatial::bvh::tree::{Item, Tree, box_of};
 use crate::spatial::order::spatial_order_in;
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Maximum number of triangles in a leaf. Fewer mean more box tests, more mean more triangle tests.
-const LEAF: usize = 4;
 
 /// Number of levels below the root of a block.
 const LEVELS_OF_BLOCK: u32 = 6;
-
-/// Subtrees with fewer triangles are sorted by one thread: distributing them would cost as much as sorting them.
-const PARALLEL_ABOVE: usize = 4096;
 
 /// Maximum number of nodes that a search sets aside, one per level: a tree over 2^32 triangles has no more levels.
 const DEEPEST: usize = 33;
@@ -81,14 +77,6 @@ impl Hit {
             *self = Hit { triangle: t, point, distance_squared };
         }
     }
-}
-
-/// A triangle during the build.
-#[derive(Clone, Copy)]
-struct Item {
-    /// Three times the centroid.
-    place: DVec3,
-    triangle: u32,
 }
 
 /// Once there are this many pairs of nodes, the pairs below them are searched in parallel.
@@ -383,82 +371,6 @@ fn pairs_below((a, b): (u32, u32)) -> [Option<(u32, u32)>; 4] {
     [Some((k, m)), Some((k, n)), (a != b).then_some((l, m)), Some((l, n))]
 }
 
-/// The shape of a hierarchy, which depends only on the number of triangles.
-#[derive(Clone, Copy)]
-struct Tree {
-    count: usize,
-    depth: u32,
-}
-
-impl Tree {
-    /// The shape for `count` triangles.
-    fn new(count: usize) -> Tree {
-        Tree { count, depth: count.div_ceil(LEAF).next_power_of_two().trailing_zeros() }
-    }
-
-    /// The range of the order that the node at `place` of `level` holds.
-    #[inline]
-    fn range(self, level: u32, place: usize) -> Range<usize> {
-        let start = |place: usize| ((place as u64 * self.count as u64) >> level) as usize;
-        start(place)..start(place + 1)
-    }
-
-    /// Arranges the items of a node in leaf order.
-    fn arrange(self, items: &mut [Item], level: u32, place: usize) {
-        if level == self.depth {
-            return;
-        }
-        let left = self.range(level + 1, 2 * place).len();
-        let axis = widest_axis(items);
-        items.select_nth_unstable_by(left, |a, b| {
-            a.place[axis].total_cmp(&b.place[axis]).then(a.triangle.cmp(&b.triangle))
-        });
-        let (lower, upper) = items.split_at_mut(left);
-        if self.count >> level > PARALLEL_ABOVE {
-            rayon::join(|| self.arrange(lower, level + 1, 2 * place), || self.arrange(upper, level + 1, 2 * place + 1));
-        } else {
-            self.arrange(lower, level + 1, 2 * place);
-            self.arrange(upper, level + 1, 2 * place + 1);
-        }
-    }
-
-    /// Computes the boxes of all nodes: those of the leaves from the triangles, those of each level above from the level
-    /// below.
-    fn boxes(self, mesh: &Mesh, order: &[u32]) -> Vec<Aabb> {
-        let mut boxes = vec![Aabb::EMPTY; (2 << self.depth) - 1];
-        let leaves = &mut boxes[(1 << self.depth) - 1..];
-        parallel::for_each_mut(leaves, |place, leaf| {
-            let triangles = &order[self.range(self.depth, place)];
-            *leaf = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.join(&box_of(mesh, t)));
-        });
-        for level in (0..self.depth).rev() {
-            let (above, below) = boxes.split_at_mut((2 << level) - 1);
-            let parents = &mut above[(1 << level) - 1..];
-            for (parent, pair) in parents.iter_mut().zip(below.chunks_exact(2)) {
-                *parent = pair[0].join(&pair[1]);
-            }
-        }
-        boxes
-    }
-}
-
-/// The axis along which the items have the largest spread.
-fn widest_axis(items: &[Item]) -> usize {
-    let spread = items.iter().fold(Aabb::EMPTY, |all, item| all.join(&Aabb::at(item.place)));
-    let size = spread.size();
-    if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    }
-}
-
-fn box_of(mesh: &Mesh, t: u32) -> Aabb {
-    Aabb::of_triangle(mesh.corners(t as usize))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -598,29 +510,5 @@ mod tests {
         let mesh = soup(20_000, 0.05, 8);
         let with = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| Bvh::new(&mesh));
         assert_eq!(with(1).order, with(8).order);
-    }
-
-    /// Not a test of correctness: `cargo test --release bvh -- --ignored --nocapture` prints the times.
-    #[test]
-    #[ignore = "a measurement"]
-    fn timing() {
-        let mesh = wavy(224);
-        let start = std::time::Instant::now();
-        let bvh = Bvh::new(&mesh);
-        let build = start.elapsed();
-        let mut rng = stream(9, Stage::Scan);
-        let points: Vec<DVec3> = (0..100_000).map(|k| mesh.corners(k)[0] + 1e-3 * random_point(&mut rng)).collect();
-        let start = std::time::Instant::now();
-        let sum: f64 = points.iter().filter_map(|&p| bvh.closest(&mesh, p)).map(|hit| hit.distance_squared).sum();
-        let near = start.elapsed();
-        let points: Vec<DVec3> = (0..100_000).map(|_| random_point(&mut rng) * DVec3::new(1.0, 1.0, 0.1)).collect();
-        let start = std::time::Instant::now();
-        let more: f64 = points.iter().filter_map(|&p| bvh.closest(&mesh, p)).map(|hit| hit.distance_squared).sum();
-        println!(
-            "{} triangles: build {build:?}; a near query {:?}, a random one {:?} ({sum} {more})",
-            mesh.triangles.len(),
-            near / 100_000,
-            start.elapsed() / 100_000
-        );
     }
 }
